@@ -1,0 +1,13 @@
+//! The graphics device and the small tools around it. No physics here.
+
+mod device;
+mod readback;
+mod shader;
+mod texture;
+mod timing;
+
+pub use device::{AdapterSummary, Gpu, adapters};
+pub use readback::{read_buffer, read_texture};
+pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
+pub use texture::{TextureDesc, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer};
+pub use timing::{PassTime, Timing};

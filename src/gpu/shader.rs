@@ -1,0 +1,153 @@
+//! Linking WGSL: an entry point names the library modules it uses in header
+//! comments (`// @use density phase`), each module likewise; whole modules are
+//! concatenated once, dependencies first. Names are unique across the library,
+//! so nothing is renamed, and a line number in a driver's message can be found.
+
+use std::borrow::Cow;
+
+macro_rules! sources {
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../shaders/", $folder, $name, ".wgsl")))),*]
+    };
+}
+
+/// Every module of `shaders/lib`: name and source.
+pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
+    "camera", "constants",
+);
+
+/// Every entry point of `shaders`: name and source.
+pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
+);
+
+/// The whole source of an entry point, or of any text with `// @use` lines.
+///
+/// # Panics
+/// Where a module that the text uses does not exist: a mistake in the shaders
+/// themselves, which a test finds for every entry point.
+pub fn link(source: &str) -> String {
+    let mut done = Vec::new();
+    let mut linked = String::new();
+    append(source, &mut done, &mut linked);
+    linked
+}
+
+fn append<'a>(source: &'a str, done: &mut Vec<&'a str>, linked: &mut String) {
+    for name in source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace) {
+        if !done.contains(&name) {
+            done.push(name);
+            append(module(name), done, linked);
+        }
+    }
+    linked.push_str(source);
+    linked.push('\n');
+}
+
+fn module(name: &str) -> &'static str {
+    let found = LIBRARY.iter().find(|(known, _)| *known == name);
+    found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader module `{name}` in shaders/lib"))
+}
+
+/// Parses and validates linked WGSL, without a device.
+///
+/// # Errors
+/// The parser's or validator's message, with the place in the linked text.
+pub fn validate(linked: &str) -> Result<wgpu::naga::Module, String> {
+    use wgpu::naga::{front::wgsl, valid};
+    let module = wgsl::parse_str(linked).map_err(|error| error.emit_to_string(linked))?;
+    valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(linked))?;
+    Ok(module)
+}
+
+pub(crate) fn entry_point(name: &str) -> String {
+    let found = ENTRY_POINTS.iter().find(|(known, _)| *known == name);
+    link(found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader `{name}` in shaders")))
+}
+
+pub(crate) fn shader_module(device: &wgpu::Device, name: &str) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(name),
+        source: wgpu::ShaderSource::Wgsl(Cow::Owned(entry_point(name))),
+    })
+}
+
+/// A compute shader with one bind group.
+pub struct ComputeProgram {
+    pipeline: wgpu::ComputePipeline,
+    name: &'static str,
+}
+
+impl ComputeProgram {
+    /// Compiles entry function `main` of the shader called `name`, with its overrides.
+    pub fn new(device: &wgpu::Device, name: &'static str, overrides: &[(&str, f64)]) -> Self {
+        Self::from_module(device, name, &shader_module(device, name), overrides)
+    }
+
+    /// The same from text that is not in [`ENTRY_POINTS`]: for tests of single functions.
+    pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(name),
+            source: wgpu::ShaderSource::Wgsl(Cow::Owned(link(source))),
+        });
+        Self::from_module(device, name, &module, &[])
+    }
+
+    fn from_module(
+        device: &wgpu::Device,
+        name: &'static str,
+        module: &wgpu::ShaderModule,
+        overrides: &[(&str, f64)],
+    ) -> Self {
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: None,
+            module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
+            cache: None,
+        });
+        Self { pipeline, name }
+    }
+
+    /// A bind group for this program's group 0: entry `i` goes to binding `i`.
+    /// Bindings that the shader does not use are left out with `None`.
+    pub fn bind(&self, device: &wgpu::Device, resources: &[Option<wgpu::BindingResource<'_>>]) -> wgpu::BindGroup {
+        bind_group(device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
+    }
+
+    /// Records a dispatch of `groups` workgroups.
+    pub fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        group: &wgpu::BindGroup,
+        groups: [u32; 3],
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some(self.name),
+            timestamp_writes: timestamps,
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+    }
+}
+
+/// A bind group whose entry `i` goes to binding `i`.
+pub(crate) fn bind_group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[Option<wgpu::BindingResource<'_>>],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .iter()
+        .enumerate()
+        .filter_map(|(binding, resource)| {
+            Some(wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone()? })
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}

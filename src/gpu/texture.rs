@@ -1,0 +1,82 @@
+//! Textures, samplers and buffers in the few shapes that the passes use.
+
+use wgpu::util::DeviceExt;
+
+/// What a texture is made for.
+pub struct TextureDesc<'a> {
+    /// Shown in graphics debuggers.
+    pub label: &'a str,
+    /// Width, height, depth; a depth of 0 means a 2-D texture.
+    pub size: [u32; 3],
+    /// Number of mip levels.
+    pub mips: u32,
+    /// Texel format.
+    pub format: wgpu::TextureFormat,
+    /// Uses beyond sampling, writing and copying out.
+    pub usage: wgpu::TextureUsages,
+}
+
+/// Makes the texture; it can always be sampled, written from the CPU and copied out.
+pub fn texture(device: &wgpu::Device, desc: &TextureDesc<'_>) -> wgpu::Texture {
+    let dimension = if desc.size[2] == 0 { wgpu::TextureDimension::D2 } else { wgpu::TextureDimension::D3 };
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(desc.label),
+        size: wgpu::Extent3d {
+            width: desc.size[0],
+            height: desc.size[1],
+            depth_or_array_layers: desc.size[2].max(1),
+        },
+        mip_level_count: desc.mips,
+        sample_count: 1,
+        dimension,
+        format: desc.format,
+        usage: desc.usage
+            | wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+/// Trilinear sampler that repeats, for the noise volume.
+pub fn linear_repeat(device: &wgpu::Device) -> wgpu::Sampler {
+    sampler(device, wgpu::AddressMode::Repeat)
+}
+
+/// Trilinear sampler that clamps to the edge, for tables and maps.
+pub fn linear_clamp(device: &wgpu::Device) -> wgpu::Sampler {
+    sampler(device, wgpu::AddressMode::ClampToEdge)
+}
+
+fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("linear"),
+        address_mode_u: address,
+        address_mode_v: address,
+        address_mode_w: address,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}
+
+/// A uniform buffer with these contents, writable later.
+pub fn uniform_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::bytes_of(value),
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+    })
+}
+
+/// A storage buffer with these contents; an empty slice still makes one (zeroed)
+/// element, because buffers of no size are not allowed.
+pub fn storage_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, values: &[T]) -> wgpu::Buffer {
+    let one = [T::zeroed()];
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: Some(label),
+        contents: bytemuck::cast_slice(if values.is_empty() { &one } else { values }),
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+    })
+}

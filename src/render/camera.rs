@@ -1,0 +1,63 @@
+//! The camera as the shaders see it.
+
+use glam::{DQuat, DVec3, Vec3};
+
+use crate::scene::{Camera, Projection};
+
+/// `Camera` of `shaders/lib/camera.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct CameraUniform {
+    pub(crate) right: Vec3,
+    pub(crate) projection: u32,
+    pub(crate) up: Vec3,
+    pub(crate) altitude: f32,
+    pub(crate) forward: Vec3,
+    pub(crate) pixel: f32,
+    pub(crate) size: [f32; 2],
+    pub(crate) jitter: f32,
+    padding: f32,
+}
+
+impl CameraUniform {
+    /// The camera for a picture of `width` by `height` pixels, over ground at
+    /// `ground` metres.
+    pub fn new(camera: &Camera, ground: f64, [width, height]: [u32; 2]) -> Self {
+        let aspect = f64::from(width) / f64::from(height);
+        let (right, up, forward) = axes(camera);
+        let (half, projection, pixel) = match camera.projection {
+            Projection::Perspective { vertical_fov_deg } => {
+                let y = (0.5 * vertical_fov_deg.to_radians()).tan();
+                ([y * aspect, y], 0, 2.0 * y / f64::from(height))
+            }
+            Projection::Lens { focal_length_mm, sensor_width_mm } => {
+                let x = 0.5 * sensor_width_mm / focal_length_mm;
+                ([x, x / aspect], 0, 2.0 * x / f64::from(width))
+            }
+            Projection::Orthographic { height: metres } => {
+                ([0.5 * metres * aspect, 0.5 * metres], 1, metres / f64::from(height))
+            }
+            Projection::Equirectangular => ([1.0, 1.0], 2, std::f64::consts::PI / f64::from(height)),
+        };
+        Self {
+            right: (right * half[0]).as_vec3(),
+            projection,
+            up: (up * half[1]).as_vec3(),
+            altitude: (camera.position.y - ground) as f32,
+            forward: forward.as_vec3(),
+            pixel: pixel as f32,
+            size: [width as f32, height as f32],
+            jitter: 0.0,
+            padding: 0.0,
+        }
+    }
+}
+
+/// Right, up and forward unit vectors; a camera that looks straight up or down
+/// has north (-Z) at the bottom or top of its picture.
+fn axes(camera: &Camera) -> (DVec3, DVec3, DVec3) {
+    let forward = (camera.target - camera.position).try_normalize().unwrap_or(DVec3::NEG_Z);
+    let level = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
+    let right = DQuat::from_axis_angle(forward, camera.roll_deg.to_radians()) * level;
+    (right, right.cross(forward), forward)
+}
