@@ -13,7 +13,7 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "camera", "constants",
+    "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "phase", "random", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.
