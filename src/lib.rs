@@ -3,8 +3,8 @@
 #![warn(missing_docs)]
 
 mod error;
-pub mod scene;
 pub mod optics;
+pub mod scene;
 pub mod tables;
 
 pub use error::{Error, Result};
