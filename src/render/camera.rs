@@ -1,6 +1,6 @@
 //! The camera as the shaders see it.
 
-use glam::{DQuat, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::scene::{Camera, Projection};
 
@@ -24,7 +24,8 @@ impl CameraUniform {
     /// `ground` metres.
     pub fn new(camera: &Camera, ground: f64, [width, height]: [u32; 2]) -> Self {
         let aspect = f64::from(width) / f64::from(height);
-        let (right, up, forward) = axes(camera);
+        let world_from_camera = camera.world_from_camera();
+        let [right, up, forward] = [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| world_from_camera * axis);
         let (half, projection, pixel) = match camera.projection {
             Projection::Perspective { vertical_fov_deg } => {
                 let y = (0.5 * vertical_fov_deg.to_radians()).tan();
@@ -51,13 +52,4 @@ impl CameraUniform {
             padding: 0.0,
         }
     }
-}
-
-/// Right, up and forward unit vectors; a camera that looks straight up or down
-/// has north (-Z) at the bottom or top of its picture.
-fn axes(camera: &Camera) -> (DVec3, DVec3, DVec3) {
-    let forward = (camera.target - camera.position).try_normalize().unwrap_or(DVec3::NEG_Z);
-    let level = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
-    let right = DQuat::from_axis_angle(forward, camera.roll_deg.to_radians()) * level;
-    (right, right.cross(forward), forward)
 }
