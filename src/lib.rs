@@ -3,6 +3,8 @@
 #![warn(missing_docs)]
 
 mod error;
+#[cfg(feature = "export")]
+pub mod export;
 pub mod gpu;
 pub mod optics;
 pub mod render;

@@ -26,3 +26,10 @@ fn eddington_beam(g: f32, mu0: f32, depth: f32, thickness: f32, nu: f32) -> f32 
 fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
     return 1.0 / (2.0 / 3.0 + (1.0 - g) * optical_depth);
 }
+
+// What absorption leaves of multiply scattered light at an optical depth below the lit
+// surface: the decay of diffusion, with the medium's albedo and asymmetry. 1 where the
+// medium is conservative; near the surface it keeps too much.
+fn absorbed(albedo: f32, g: f32, optical_depth: f32) -> f32 {
+    return exp(-sqrt(max(3.0 * (1.0 - albedo) * (1.0 - albedo * g), 0.0)) * optical_depth);
+}

@@ -1,26 +1,26 @@
 // A box of voxels around a cloud whose columns run along a direction of light.
 
 struct LightBox {
-    // Corner where the light enters, in the cloud's frame, m.
+    // Corner where the light enters, in the cloud's frame, m; unit vectors across and along.
     corner: vec3f,
-    // Optical properties that the pass needs: removed share of extinction, see clouds.wgsl.
-    chop: f32,
-    // Edges of the box, m: across, across, and along the light.
-    across_x: vec3f,
     size_x: f32,
-    across_y: vec3f,
+    across_x: vec3f,
     size_y: f32,
-    along: vec3f,
+    across_y: vec3f,
     size_z: f32,
-    // Number of ellipsoids of the cloud itself; those after it only cast shadows.
-    ellipsoids: u32,
-    occluders: u32,
-    // Distance before the box at which occluders begin, m.
+    along: vec3f,
+    // Distance before the box at which other clouds begin, m; 0 where none casts a shadow here.
     before: f32,
-    padding: f32,
+    // Number of ellipsoids of the cloud itself, and with those of others that cast shadows on it.
+    own: u32,
+    all: u32,
+    // Share of extinction in the removed forward peak.
+    chop: f32,
+    // Asymmetry of the phase function without its peak.
+    asymmetry: f32,
 }
 
-// Texture coordinates of a point; the axes are unit vectors.
+// Texture coordinates of a point.
 fn light_box_coordinate(box: LightBox, p: vec3f) -> vec3f {
     let q = p - box.corner;
     let metres = vec3f(dot(q, box.across_x), dot(q, box.across_y), dot(q, box.along));

@@ -12,9 +12,9 @@ fn henyey_greenstein(g: f32, mu: f32) -> f32 {
 // sqrt(theta / pi) up to the middle and mirrored beyond: dense at the forward peak
 // and at the glory. Written with half angles from the chord, because acos is poor
 // near its ends: |a - b| = 2 sin(theta / 2).
-fn phase_coordinate(from: vec3f, to: vec3f) -> f32 {
-    let forward = 2.0 * asin_small(0.5 * length(to - from));
-    let backward = 2.0 * asin_small(0.5 * length(to + from));
+fn phase_coordinate(before: vec3f, after: vec3f) -> f32 {
+    let forward = 2.0 * asin_small(0.5 * length(after - before));
+    let backward = 2.0 * asin_small(0.5 * length(after + before));
     let is_forward = forward < backward;
     let share = select(backward, forward, is_forward) / PI;
     let half = sqrt(0.5 * share);

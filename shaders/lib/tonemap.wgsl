@@ -1,13 +1,10 @@
 // From scene-referred light to the screen: exposure, a filmic curve, sRGB.
 
-// Hable's film curve ("Uncharted 2", GDC 2010), before scaling to its white.
-fn film(x: vec3f) -> vec3f {
-    return (x * (0.15 * x + 0.05) + 0.004) / (x * (0.15 * x + 0.5) + 0.06) - 0.0666667;
-}
-
-// Linear display light in [0, 1]; scene light of `white` and above becomes 1.
-fn filmic(light: vec3f, white: f32) -> vec3f {
-    return saturate(film(max(light, vec3f(0.0))) / film(vec3f(white)));
+// Film-like curve: Narkowicz's fit (2015) of the ACES reference transform, per channel.
+// 0.18 stays near 0.27, 1 becomes 0.80, and light rolls off to 1 at about 8.
+fn filmic(light: vec3f) -> vec3f {
+    let x = max(light, vec3f(0.0));
+    return saturate(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14));
 }
 
 // IEC 61966-2-1.

@@ -13,11 +13,12 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "phase", "random", "tonemap",
+    "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "phase", "random", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
+    "clouds", "compose", "mips", "sky_volume", "sun_maps", "sun_normals",
 );
 
 /// The whole source of an entry point, or of any text with `// @use` lines.
