@@ -38,11 +38,24 @@ impl Limits {
 
 impl fmt::Display for Limits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", self.min, self.max)?;
+        write!(f, "{} to {}", Short(self.min), Short(self.max))?;
         if !self.unit.is_empty() {
             write!(f, " {}", self.unit)?;
         }
         Ok(())
+    }
+}
+
+/// A number as people write it: no hundred digits for 1e99.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        if value != 0.0 && value.is_finite() && !(1e-6..1e12).contains(&value.abs()) {
+            return write!(f, "{value:e}");
+        }
+        write!(f, "{value}")
     }
 }
 
@@ -126,7 +139,7 @@ impl At<'_> {
 impl fmt::Display for At<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            At::Root => Ok(()),
+            At::Root => f.write_str("scene"),
             At::Field(At::Root, name) => f.write_str(name),
             At::Field(parent, name) => write!(f, "{parent}.{name}"),
             At::Index(parent, i) => write!(f, "{parent}[{i}]"),

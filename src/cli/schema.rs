@@ -1,0 +1,31 @@
+//! `nephos schema`: the JSON Schema of scene files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::new::print;
+use crate::Result;
+use crate::scene::{schema, write_whole};
+
+/// Write the JSON Schema of scene files, for editors and other programs.
+#[derive(Debug, Args)]
+pub struct Schema {
+    /// File to write, replacing it; the standard output where left out.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Schema {
+    /// Writes the schema.
+    ///
+    /// # Errors
+    /// [`Error::File`](crate::Error::File) where the file cannot be written.
+    pub fn run(self) -> Result<()> {
+        let text = format!("{:#}\n", schema());
+        match &self.output {
+            None => print(&text),
+            Some(path) => write_whole(path, &text),
+        }
+    }
+}
