@@ -57,6 +57,7 @@ override SKY_LIGHT: bool = true;
 override SCENE_DEPTH: bool = false;
 override MULTIPLE: bool = true;
 override PEAK: bool = true;
+override NORMALS: bool = false;
 override ABSORBING: bool = false;
 override SUN_SAMPLES: u32 = 3u;
 override MAX_STEPS: u32 = 512u;
@@ -244,6 +245,23 @@ fn diffuse_weights(p: vec3f) -> vec3f {
     return weights;
 }
 
+// Outward normal of the ellipsoid in which a point lies deepest: which way the cloud
+// faces here, noise left out.
+fn normal_at(v: Varyings, p: vec3f) -> vec3f {
+    var deepest = -1e30;
+    var normal = cloud.to_sun;
+    for (var i = 0u; i < v.count; i++) {
+        let e = ellipsoids[candidates[v.first + i]];
+        let u = ellipsoid_unit(e, p, 1.0);
+        let depth = ellipsoid_depth(e, u);
+        if depth > deepest {
+            deepest = depth;
+            normal = ellipsoid_normal(e, u);
+        }
+    }
+    return normal;
+}
+
 // Light gathered along a ray, per unit of the lights outside.
 struct March {
     transmittance: f32,
@@ -268,6 +286,9 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
     }
     if SKY_LIGHT {
         (*m).diffuse += seen * diffuse_weights(p);
+    }
+    if NORMALS {
+        (*m).normal += seen * normal_at(v, p);
     }
     (*m).distance += seen * t;
     (*m).height += seen * p.y;
@@ -351,6 +372,7 @@ struct Shade {
     // Light scattered by the air between camera and cloud.
     air: vec3f,
     distance: f32,
+    normal: vec3f,
 }
 
 fn shade(v: Varyings) -> Shade {
@@ -361,7 +383,7 @@ fn shade(v: Varyings) -> Shade {
     let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05));
     let alpha = 1.0 - m.transmittance;
     if alpha <= 0.0 {
-        return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
+        return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
     }
     count(HITS, 1u);
     let distance = m.distance / alpha;
@@ -378,10 +400,10 @@ fn shade(v: Varyings) -> Shade {
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
     let multiple = cloud.albedo * (sun * m.multiple + diffuse);
     if !ATMOSPHERE {
-        return Shade(alpha, single, multiple, vec3f(0.0), distance);
+        return Shade(alpha, single, multiple, vec3f(0.0), distance, m.normal);
     }
     let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);
-    return Shade(alpha, single * air.a, multiple * air.a, alpha * cloud.sun_irradiance * air.rgb, distance);
+    return Shade(alpha, single * air.a, multiple * air.a, alpha * cloud.sun_irradiance * air.rgb, distance, m.normal);
 }
 
 // All light in one, for pictures and games.
@@ -406,4 +428,11 @@ fn layers(v: Varyings) -> LightLayers {
     let s = shade(v);
     return LightLayers(vec4f(s.single, s.alpha), vec4f(s.multiple, s.alpha), vec4f(s.air, s.alpha),
         vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
+}
+
+// Which way the cloud faces, for compositors.
+@fragment
+fn normals(v: Varyings) -> @location(0) vec4f {
+    let s = shade(v);
+    return vec4f(s.normal, s.alpha);
 }

@@ -1,12 +1,13 @@
 //! `nephos new`: a scene to start from.
 
-use std::io::{self, Write};
+
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser;
 use clap::{Args, builder::ValueParser};
 
+use super::terminal::print;
 use crate::scene::{Preset, Scene};
 use crate::{Error, Result};
 
@@ -59,16 +60,3 @@ fn write(path: &Path, scene: &Scene, force: bool) -> Result<()> {
     scene.save(path)
 }
 
-/// Writes `text` to the standard output; a reader that went away is no error.
-pub(super) fn print(text: &str) -> Result<()> {
-    let mut out = io::stdout().lock();
-    let printed = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    match printed {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Error::File {
-            action: "write",
-            path: "-".into(),
-            source: error,
-        }),
-        _ => Ok(()),
-    }
-}

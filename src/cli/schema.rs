@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::new::print;
+use super::terminal::print;
 use crate::Result;
 use crate::scene::{schema, write_whole};
 

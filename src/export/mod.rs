@@ -3,7 +3,9 @@
 mod picture;
 mod png;
 mod atomic;
+mod exr;
 
 pub use atomic::write_atomically;
-pub use picture::{Picture};
+pub use exr::{write_beauty, write_layers};
+pub use picture::Picture;
 pub use png::write_png;

@@ -49,13 +49,14 @@ pub(super) struct Variant {
     pub scene_depth: bool,
     pub multiple: bool,
     pub peak: bool,
+    pub normals: bool,
     pub absorbing: bool,
     pub sun_samples: u32,
     pub max_steps: u32,
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 9] {
+    pub fn overrides(&self) -> [(&'static str, f64); 10] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -64,6 +65,7 @@ impl Variant {
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("MULTIPLE", flag(self.multiple)),
             ("PEAK", flag(self.peak)),
+            ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
             ("SUN_SAMPLES", f64::from(self.sun_samples)),
             ("MAX_STEPS", f64::from(self.max_steps)),
@@ -99,7 +101,7 @@ pub(super) struct Shared<'a> {
 pub(super) struct Draw {
     variant: Variant,
     group: wgpu::BindGroup,
-    tiles: u32,
+    pub tiles: u32,
 }
 
 /// Pipelines of the shader, compiled when first needed.
@@ -136,28 +138,35 @@ impl CloudsPass {
         Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
     }
 
-    /// Records the draws, in order.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, format: wgpu::TextureFormat, draws: &[Draw]) {
-        for draw in draws {
-            let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { continue };
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, &draw.group, &[]);
-            pass.draw(0..4, 0..draw.tiles);
-        }
+    /// Records one piece of a draw.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        format: wgpu::TextureFormat,
+        draw: &Draw,
+        tiles: std::ops::Range<u32>,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &draw.group, &[]);
+        pass.draw(0..4, tiles);
     }
 }
 
 fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Variant {
+    // Which way a cloud faces has nothing to do with light.
+    let lit = entry != "normals";
     Variant {
         entry,
         counting: shared.counting,
         atmosphere: shared.atmosphere,
-        sky_light: shared.lit_by_sky,
+        sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),
-        multiple: shared.transport == Transport::DeltaEddington,
-        peak: cloud.optics.chop > 0.0,
+        multiple: lit && shared.transport == Transport::DeltaEddington,
+        peak: lit && cloud.optics.chop > 0.0,
+        normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
-        sun_samples: shared.quality.sun_samples,
+        sun_samples: if lit { shared.quality.sun_samples } else { 0 },
         max_steps: shared.quality.max_steps,
     }
 }

@@ -85,6 +85,8 @@ pub struct Layers {
     pub air: wgpu::Texture,
     /// Distance of the clouds in kilometres, in the first three channels.
     pub distance: wgpu::Texture,
+    /// Which way the clouds face: a unit vector of the world where alpha is 1.
+    pub normal: wgpu::Texture,
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -113,6 +115,9 @@ pub struct Renderer {
     clamped: wgpu::Sampler,
     no_depth: wgpu::TextureView,
 }
+
+/// Tiles of one submission: some 100 ms on two CPU cores.
+const PIECE: u32 = 256;
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -144,30 +149,101 @@ impl Renderer {
 
     /// Records the passes that draw `frame` into `target`.
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
+        let draws = self.begin(encoder, frame, target);
+        for draw in &draws {
+            self.draw_clouds(encoder, draw, 0..draw.tiles, &[target.color], self.format);
+        }
+        self.end(encoder);
+    }
+
+    /// Does the same in pieces, each submitted and finished by itself, so that slow
+    /// adapters do not run into their driver's time limit; tells the share done.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_in_pieces(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        target: &Target<'_>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let mut encoder = self.encoder();
+        let draws = self.begin(&mut encoder, frame, target);
+        self.submit_pieces(gpu, encoder, &draws, &[target.color], self.format, progress)
+    }
+
+    /// Draws the light of `frame` apart, in pieces.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_layers(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Layers> {
+        let mut encoder = self.encoder();
+        self.prepare(&mut encoder, frame);
+        let [sky, single, multiple, air, distance, normal] =
+            ["sky", "single", "multiple", "air", "distance", "normal"]
+                .map(|label| self.picture(label, frame.size(), HDR));
+        self.sky.draw(&self.device, &mut encoder, &view(&sky), HDR, self.timing.as_ref());
+        let targets = [&single, &multiple, &air, &distance, &normal].map(view);
+        for target in &targets {
+            clear(&mut encoder, target);
+        }
+        let draws = self.draws(frame, None, "normals", HDR);
+        self.submit_pieces(gpu, encoder, &draws, &[&targets[4]], HDR, &mut |share| progress(0.2 * share))?;
+        let draws = self.draws(frame, None, "layers", HDR);
+        let lit = [&targets[0], &targets[1], &targets[2], &targets[3]];
+        self.submit_pieces(gpu, self.encoder(), &draws, &lit, HDR, &mut |share| progress(0.2 + 0.8 * share))?;
+        Ok(Layers { sky, single, multiple, air, distance, normal })
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&Default::default())
+    }
+
+    fn begin(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) -> Vec<Draw> {
         self.prepare(encoder, frame);
         if target.sky {
             self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
         }
-        let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
-        self.draw_clouds(encoder, &draws, &[target.color], self.format);
+        self.draws(frame, target.depth.as_ref(), "beauty", self.format)
+    }
+
+    fn end(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some(timing) = &self.timing {
             timing.resolve(encoder);
         }
     }
 
-    /// Records the passes that draw the light of `frame` apart.
-    pub fn render_layers(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> Layers {
-        self.prepare(encoder, frame);
-        let [sky, single, multiple, air, distance] =
-            ["sky", "single", "multiple", "air", "distance"].map(|label| self.picture(label, frame.size(), HDR));
-        self.sky.draw(&self.device, encoder, &view(&sky), HDR, self.timing.as_ref());
-        let targets = [&single, &multiple, &air, &distance].map(view);
-        for target in &targets {
-            clear(encoder, target);
+    fn submit_pieces(
+        &self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+        draws: &[Draw],
+        targets: &[&wgpu::TextureView],
+        format: wgpu::TextureFormat,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let total: u32 = draws.iter().map(|draw| draw.tiles).sum();
+        let mut done = 0;
+        for draw in draws {
+            for first in (0..draw.tiles).step_by(PIECE as usize) {
+                let last = (first + PIECE).min(draw.tiles);
+                self.draw_clouds(&mut encoder, draw, first..last, targets, format);
+                let full = std::mem::replace(&mut encoder, self.encoder());
+                self.queue.submit([full.finish()]);
+                gpu.finish("drawing clouds")?;
+                done += last - first;
+                progress(f64::from(done) / f64::from(total));
+            }
         }
-        let draws = self.draws(frame, None, "layers", HDR);
-        self.draw_clouds(encoder, &draws, &targets.each_ref(), HDR);
-        Layers { sky, single, multiple, air, distance }
+        self.end(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+        gpu.finish("drawing clouds")
     }
 
     /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
@@ -299,13 +375,11 @@ impl Renderer {
     fn draw_clouds(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        draws: &[Draw],
+        draw: &Draw,
+        tiles: std::ops::Range<u32>,
         targets: &[&wgpu::TextureView],
         format: wgpu::TextureFormat,
     ) {
-        if draws.is_empty() {
-            return;
-        }
         let attachments: Vec<_> = targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clouds"),
@@ -313,7 +387,7 @@ impl Renderer {
             timestamp_writes: self.timing.as_ref().and_then(|timing| timing.render("clouds")),
             ..Default::default()
         });
-        self.clouds.draw(&mut pass, format, draws);
+        self.clouds.draw(&mut pass, format, draw, tiles);
     }
 }
 

@@ -19,6 +19,20 @@ pub struct Counts {
     pub map_reads: u64,
 }
 
+impl Counts {
+    /// Names and numbers, in order.
+    pub fn named(&self) -> [(&'static str, u64); 6] {
+        [
+            ("rays", self.rays),
+            ("rays that hit", self.rays_hit),
+            ("steps", self.steps),
+            ("density evaluations", self.density_evaluations),
+            ("noise reads", self.noise_reads),
+            ("map reads", self.map_reads),
+        ]
+    }
+}
+
 const COUNTERS: usize = 6;
 
 /// The buffer that the shader counts in.
