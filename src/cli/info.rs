@@ -27,7 +27,8 @@ impl Info {
             // Opening one tells what is missing.
             return pollster::block_on(gpu::Gpu::open(None)).map(drop);
         }
-        let line = |a: &gpu::AdapterSummary| format!("{}  ({}, {}, {})\n", a.name, a.kind, a.backend, a.driver);
+        let line =
+            |a: &gpu::AdapterSummary| format!("{}  ({}, {}, {})\n", a.name, a.kind, a.backend, a.driver);
         print(&adapters.iter().map(line).collect::<String>())
     }
 }

@@ -1,6 +1,5 @@
 //! `nephos new`: a scene to start from.
 
-
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
@@ -45,9 +44,7 @@ impl New {
 
 /// Takes the names of the presets, lists them in the help, offers the nearest one.
 fn preset_parser() -> ValueParser {
-    PossibleValuesParser::new(Preset::ALL.map(Preset::name))
-        .try_map(|name| name.parse::<Preset>())
-        .into()
+    PossibleValuesParser::new(Preset::ALL.map(Preset::name)).try_map(|name| name.parse::<Preset>()).into()
 }
 
 fn write(path: &Path, scene: &Scene, force: bool) -> Result<()> {
@@ -59,4 +56,3 @@ fn write(path: &Path, scene: &Scene, force: bool) -> Result<()> {
     }
     scene.save(path)
 }
-

@@ -50,14 +50,16 @@ fn beauty(sky: &Picture, light: &[&Picture; 3]) -> Picture {
     for (i, pixel) in sum.pixels.iter_mut().enumerate() {
         let through = 1.0 - light[0].pixels[i][3];
         for channel in 0..3 {
-            pixel[channel] = pixel[channel] * through + light.iter().map(|l| l.pixels[i][channel]).sum::<f32>();
+            pixel[channel] =
+                pixel[channel] * through + light.iter().map(|l| l.pixels[i][channel]).sum::<f32>();
         }
     }
     sum
 }
 
 fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
-    let name = |channel: &str| if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
+    let name =
+        |channel: &str| if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
     ["R", "G", "B", "A"]
         .into_iter()
         .enumerate()

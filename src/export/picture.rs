@@ -2,7 +2,10 @@
 
 use half::f16;
 
-use crate::{Result, gpu::{self, Gpu}};
+use crate::{
+    Result,
+    gpu::{self, Gpu},
+};
 
 /// Linear RGBA, rows from the top.
 #[derive(Debug, Clone, PartialEq)]

@@ -19,10 +19,11 @@ pub fn write_png(path: &Path, [width, height]: [u32; 2], rgba: &[u8], transparen
         (opaque.as_slice(), image::ExtendedColorType::Rgb8)
     };
     write_atomically(path, |path| {
-        image::save_buffer_with_format(path, bytes, width, height, color, image::ImageFormat::Png)
-            .map_err(|error| match error {
+        image::save_buffer_with_format(path, bytes, width, height, color, image::ImageFormat::Png).map_err(
+            |error| match error {
                 image::ImageError::IoError(error) => error,
                 other => io::Error::other(other),
-            })
+            },
+        )
     })
 }

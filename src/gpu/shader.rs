@@ -34,7 +34,9 @@ pub fn link(source: &str) -> String {
 }
 
 fn append<'a>(source: &'a str, done: &mut Vec<&'a str>, linked: &mut String) {
-    for name in source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace) {
+    for name in
+        source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace)
+    {
         if !done.contains(&name) {
             done.push(name);
             append(module(name), done, linked);
@@ -106,7 +108,10 @@ impl ComputeProgram {
             layout: None,
             module,
             entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: overrides,
+                ..Default::default()
+            },
             cache: None,
         });
         Self { pipeline, name }
@@ -114,7 +119,11 @@ impl ComputeProgram {
 
     /// A bind group for this program's group 0: entry `i` goes to binding `i`.
     /// Bindings that the shader does not use are left out with `None`.
-    pub fn bind(&self, device: &wgpu::Device, resources: &[Option<wgpu::BindingResource<'_>>]) -> wgpu::BindGroup {
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        resources: &[Option<wgpu::BindingResource<'_>>],
+    ) -> wgpu::BindGroup {
         bind_group(device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
     }
 

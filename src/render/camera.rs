@@ -44,7 +44,9 @@ impl CameraUniform {
             Projection::Orthographic { height: metres } => {
                 ([0.5 * metres * aspect, 0.5 * metres], Self::ORTHOGRAPHIC, metres / f64::from(height))
             }
-            Projection::Equirectangular => ([1.0, 1.0], Self::EQUIRECTANGULAR, std::f64::consts::PI / f64::from(height)),
+            Projection::Equirectangular => {
+                ([1.0, 1.0], Self::EQUIRECTANGULAR, std::f64::consts::PI / f64::from(height))
+            }
         };
         Self {
             right: (right * half[0]).as_vec3(),

@@ -257,8 +257,10 @@ fn pipeline(
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
     let overrides = variant.overrides();
-    let options =
-        || wgpu::PipelineCompilationOptions { constants: &overrides, zero_initialize_workgroup_memory: false };
+    let options = || wgpu::PipelineCompilationOptions {
+        constants: &overrides,
+        zero_initialize_workgroup_memory: false,
+    };
     let target = Some(wgpu::ColorTargetState {
         format,
         blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),

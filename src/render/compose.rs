@@ -63,7 +63,8 @@ impl Compose {
     ) {
         let uniform = gpu::uniform_buffer(device, "compose", &ComposeUniform::new(stops));
         let layout = self.pipeline.get_bind_group_layout(0);
-        let resources = [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];
+        let resources =
+            [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];
         let group = gpu::bind_group(device, "compose", &layout, &resources);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("compose"),
@@ -71,7 +72,10 @@ impl Compose {
                 view: target,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             ..Default::default()
         });

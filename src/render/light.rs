@@ -176,7 +176,8 @@ impl LightPass {
         let device = inputs.device;
         let voxels = key.light_box.voxels(inputs.resolution);
         let sun_volume = view(&volume(device, "sun volume", voxels));
-        let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, inputs.resolution));
+        let [depths, normals] =
+            ["sun depths", "sun normals"].map(|label| map(device, label, inputs.resolution));
         let [depths_0, normals_0] = [&depths, &normals].map(|map| level(map, 0));
         let buffers = Buffers::new(inputs, key);
         let mut resources = buffers.bindings(inputs);
@@ -185,7 +186,8 @@ impl LightPass {
         let groups = inputs.resolution.div_ceil(8);
         let stamps = || inputs.timing.and_then(|timing| timing.compute("sun maps"));
         self.sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
-        let resources = [Some(buffers.light_box.as_entire_binding()), texture(&depths_0), texture(&normals_0)];
+        let resources =
+            [Some(buffers.light_box.as_entire_binding()), texture(&depths_0), texture(&normals_0)];
         let group = self.sun_normals.bind(device, &resources);
         self.sun_normals.dispatch(encoder, &group, [groups, groups, 1], stamps());
         for map in [&depths, &normals] {
@@ -260,7 +262,10 @@ impl Buffers {
 
 fn volume(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {
     let usage = wgpu::TextureUsages::STORAGE_BINDING;
-    gpu::texture(device, &TextureDesc { label, size, mips: 1, format: wgpu::TextureFormat::Rgba16Float, usage })
+    gpu::texture(
+        device,
+        &TextureDesc { label, size, mips: 1, format: wgpu::TextureFormat::Rgba16Float, usage },
+    )
 }
 
 fn map(device: &wgpu::Device, label: &str, resolution: u32) -> wgpu::Texture {

@@ -25,10 +25,19 @@ pub(crate) struct CloudOptics {
 
 impl CloudOptics {
     pub fn new(droplets: &Droplets) -> Result<Self> {
-        let g = match droplets.phase { crate::scene::Phase::HenyeyGreenstein { g } => g, crate::scene::Phase::Isotropic => 0.0, _ => 0.75 };
-        let hg = |t: f64| { let b: f64 = 1.0 + g * g - 2.0 * g * t.cos(); (1.0 - g * g) / (4.0 * std::f64::consts::PI * b.powf(1.5)) };
+        let g = match droplets.phase {
+            crate::scene::Phase::HenyeyGreenstein { g } => g,
+            crate::scene::Phase::Isotropic => 0.0,
+            _ => 0.75,
+        };
+        let hg = |t: f64| {
+            let b: f64 = 1.0 + g * g - 2.0 * g * t.cos();
+            (1.0 - g * g) / (4.0 * std::f64::consts::PI * b.powf(1.5))
+        };
         let mut table = vec![[f16::ZERO; 4]; 2 * ANGLES];
-        for i in 0..ANGLES { table[i] = [f16::from_f64(hg(angle(i))); 4]; }
+        for i in 0..ANGLES {
+            table[i] = [f16::from_f64(hg(angle(i))); 4];
+        }
         Ok(Self { chop: 0.0, asymmetry: g as f32, albedo: droplets.albedo as f32, table })
     }
 
@@ -46,7 +55,11 @@ impl CloudOptics {
         queue.write_texture(
             texture.as_image_copy(),
             bytemuck::cast_slice(&self.table),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * ANGLES as u32), rows_per_image: None },
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(8 * ANGLES as u32),
+                rows_per_image: None,
+            },
             texture.size(),
         );
         texture.create_view(&Default::default())

@@ -264,7 +264,12 @@ impl Renderer {
     }
 
     /// A texture that can be drawn into, sampled and read back.
-    pub fn picture(&self, label: &str, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    pub fn picture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
         gpu::texture(&self.device, &TextureDesc { label, size: [width, height, 0], mips: 1, format, usage })
     }
@@ -288,8 +293,14 @@ impl Renderer {
             self.counters.clear(encoder);
         }
         let settings = SkySettings::new(&frame.scene, frame.to_sun);
-        self.redone +=
-            self.sky.prepare(&self.device, &self.queue, encoder, &settings, &frame.camera, self.timing.as_ref());
+        self.redone += self.sky.prepare(
+            &self.device,
+            &self.queue,
+            encoder,
+            &settings,
+            &frame.camera,
+            self.timing.as_ref(),
+        );
         self.prepare_noise(frame.scene.noise.seed);
         self.prepare_lights(encoder, frame);
     }
@@ -380,7 +391,8 @@ impl Renderer {
         targets: &[&wgpu::TextureView],
         format: wgpu::TextureFormat,
     ) {
-        let attachments: Vec<_> = targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
+        let attachments: Vec<_> =
+            targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clouds"),
             color_attachments: &attachments,

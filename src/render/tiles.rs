@@ -39,7 +39,12 @@ impl Cover {
         for y in (0..size.y).step_by(start.y as usize) {
             for x in (0..size.x).step_by(start.x as usize) {
                 let corner = UVec2::new(x, y);
-                cover.split(&View { camera, eye, ellipsoids, margin }, corner, (corner + start).min(size), &all);
+                cover.split(
+                    &View { camera, eye, ellipsoids, margin },
+                    corner,
+                    (corner + start).min(size),
+                    &all,
+                );
             }
         }
         cover
@@ -50,8 +55,11 @@ impl Cover {
             return;
         }
         let wedge = view.wedge(min, max);
-        let near: Vec<u32> =
-            parents.iter().copied().filter(|&i| wedge.reaches(&view.ellipsoids[i as usize], view.margin)).collect();
+        let near: Vec<u32> = parents
+            .iter()
+            .copied()
+            .filter(|&i| wedge.reaches(&view.ellipsoids[i as usize], view.margin))
+            .collect();
         if !near.iter().any(|&i| wedge.reaches(&view.ellipsoids[i as usize], 0.0)) {
             return;
         }
@@ -112,7 +120,11 @@ impl View<'_> {
         });
         // Equirectangular wedges bulge beyond their corner planes towards the poles.
         let curved = self.camera.projection == CameraUniform::EQUIRECTANGULAR;
-        let planes = if curved { widen(planes, middle.normalize_or_zero(), max - min, self.camera.size) } else { planes };
+        let planes = if curved {
+            widen(planes, middle.normalize_or_zero(), max - min, self.camera.size)
+        } else {
+            planes
+        };
         let front = middle.try_normalize().map(|axis| (axis, eye));
         Wedge { planes, front: front.filter(|_| !curved), everything }
     }

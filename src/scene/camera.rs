@@ -81,9 +81,7 @@ fn full_frame_width() -> f64 {
 
 impl Default for Projection {
     fn default() -> Self {
-        Self::Perspective {
-            vertical_fov_deg: FRAME_FIELD_OF_VIEW,
-        }
+        Self::Perspective { vertical_fov_deg: FRAME_FIELD_OF_VIEW }
     }
 }
 
@@ -93,10 +91,9 @@ impl Projection {
     pub fn vertical_fov(&self, aspect: f64) -> Option<f64> {
         match *self {
             Self::Perspective { vertical_fov_deg } => Some(vertical_fov_deg.to_radians()),
-            Self::Lens {
-                focal_length_mm,
-                sensor_width_mm,
-            } => Some(2.0 * (0.5 * sensor_width_mm / (aspect * focal_length_mm)).atan()),
+            Self::Lens { focal_length_mm, sensor_width_mm } => {
+                Some(2.0 * (0.5 * sensor_width_mm / (aspect * focal_length_mm)).atan())
+            }
             Self::Orthographic { .. } | Self::Equirectangular => None,
         }
     }
@@ -105,16 +102,11 @@ impl Projection {
         match *self {
             Self::Perspective { vertical_fov_deg } => {
                 let at = at.field("perspective");
-                at.field("vertical_fov_deg")
-                    .number(vertical_fov_deg, FIELD_OF_VIEW)
+                at.field("vertical_fov_deg").number(vertical_fov_deg, FIELD_OF_VIEW)
             }
-            Self::Lens {
-                focal_length_mm,
-                sensor_width_mm,
-            } => {
+            Self::Lens { focal_length_mm, sensor_width_mm } => {
                 let at = at.field("lens");
-                at.field("focal_length_mm")
-                    .number(focal_length_mm, FOCAL_LENGTH)?;
+                at.field("focal_length_mm").number(focal_length_mm, FOCAL_LENGTH)?;
                 at.field("sensor_width_mm").number(sensor_width_mm, SENSOR)
             }
             Self::Orthographic { height } => {
@@ -169,9 +161,7 @@ impl Camera {
     /// north, from where all of them and the horizon fit into a 16:9 picture with a margin.
     pub fn framing(bounds: Bounds, ground: f64) -> Self {
         let (min, max) = bounds;
-        let eye = |distance: f64| {
-            DVec3::new(0.5 * (min.x + max.x), ground + EYE_HEIGHT, max.z + distance)
-        };
+        let eye = |distance: f64| DVec3::new(0.5 * (min.x + max.x), ground + EYE_HEIGHT, max.z + distance);
         let view = |distance: f64| {
             let position = eye(distance);
             Self::standing_at(position, middle_slope(bounds, position))
@@ -201,9 +191,7 @@ impl Camera {
         corners(bounds).into_iter().all(|corner| {
             let p = camera_from_world * (corner - self.position);
             let depth = -p.z;
-            depth > 0.0
-                && p.x.abs() <= FRAME_ASPECT * half_height * depth
-                && p.y.abs() <= half_height * depth
+            depth > 0.0 && p.x.abs() <= FRAME_ASPECT * half_height * depth && p.y.abs() <= half_height * depth
         })
     }
 

@@ -48,11 +48,8 @@ impl Scene {
     /// too large, otherwise as [`Scene::from_json`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let text = read(path).map_err(|source| Error::File {
-            action: "read",
-            path: path.to_owned(),
-            source,
-        })?;
+        let text =
+            read(path).map_err(|source| Error::File { action: "read", path: path.to_owned(), source })?;
         if text.len() as u64 > MAX_BYTES {
             return Err(Error::Format {
                 path: path.to_owned(),
@@ -88,11 +85,7 @@ impl Scene {
     /// Makes quaternions unit length; those without a direction are left to validation.
     fn normalise(&mut self) {
         self.noise.rotation = validate::unit(self.noise.rotation);
-        for ellipsoid in self
-            .clouds
-            .iter_mut()
-            .flat_map(|cloud| &mut cloud.ellipsoids)
-        {
+        for ellipsoid in self.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.orientation = validate::unit(ellipsoid.orientation);
         }
     }
@@ -104,20 +97,13 @@ impl Scene {
 /// that must have a direction, the readable time, the number of ellipsoids overall.
 pub fn schema() -> Value {
     let mut schema = schema_for!(Scene);
-    schema.insert(
-        "title".to_owned(),
-        format!("nephos scene, format {FORMAT}").into(),
-    );
+    schema.insert("title".to_owned(), format!("nephos scene, format {FORMAT}").into());
     schema.to_value()
 }
 
 /// Writes `text` to a new file beside `path`, then gives it that name.
 pub(crate) fn write_whole(path: &Path, text: &str) -> Result<()> {
-    let file_error = |source| Error::File {
-        action: "write",
-        path: path.to_owned(),
-        source,
-    };
+    let file_error = |source| Error::File { action: "write", path: path.to_owned(), source };
     // The file behind a link is replaced, not the link.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let beside = name_beside(&target);
@@ -148,9 +134,7 @@ fn read(path: &Path) -> io::Result<String> {
     if path == Path::new("-") {
         io::stdin().take(MAX_BYTES + 1).read_to_string(&mut text)?;
     } else {
-        fs::File::open(path)?
-            .take(MAX_BYTES + 1)
-            .read_to_string(&mut text)?;
+        fs::File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
     }
     Ok(text)
 }
@@ -175,10 +159,7 @@ fn explain(text: &str, path: &serde_path_to_error::Path, error: &serde_json::Err
         && format.is_number()
         && *format != FORMAT
     {
-        return Error::Scene {
-            path: "format".to_owned(),
-            problem: wrong_format(format),
-        };
+        return Error::Scene { path: "format".to_owned(), problem: wrong_format(format) };
     }
     let message = bare_message(error);
     let found = match message.as_str() {
@@ -189,10 +170,7 @@ fn explain(text: &str, path: &serde_path_to_error::Path, error: &serde_json::Err
         "trailing characters" => "the list is longer than expected".to_owned(),
         _ => CHOICE.to_owned(),
     };
-    Error::Scene {
-        path: told(path),
-        problem: format!("{found} (line {})", error.line()),
-    }
+    Error::Scene { path: told(path), problem: format!("{found} (line {})", error.line()) }
 }
 
 fn not_json(error: &serde_json::Error) -> Error {
@@ -231,20 +209,11 @@ fn in_our_words(message: &str, path: &serde_path_to_error::Path) -> String {
         let (found, expected) = rest.split_once(", expected ").unwrap_or((rest, "another"));
         return format!("found {found} values, expected {}", plain(expected));
     }
-    let found = message
-        .strip_prefix("invalid type: ")
-        .or_else(|| message.strip_prefix("invalid value: "));
+    let found = message.strip_prefix("invalid type: ").or_else(|| message.strip_prefix("invalid value: "));
     match found.and_then(|rest| rest.split_once(", expected ")) {
         Some((found, "newtype variant" | "struct variant")) => {
-            let choice = path
-                .iter()
-                .next_back()
-                .map(ToString::to_string)
-                .unwrap_or_default();
-            format!(
-                "found {}, expected {{\"{choice}\": ...}} with its values",
-                plain(found)
-            )
+            let choice = path.iter().next_back().map(ToString::to_string).unwrap_or_default();
+            format!("found {}, expected {{\"{choice}\": ...}} with its values", plain(found))
         }
         Some((found, expected)) => format!("found {}, expected {}", plain(found), plain(expected)),
         None => message.to_owned(),
@@ -291,9 +260,7 @@ fn refuse_positional(text: &str, scene: &Scene) -> Result<()> {
 
 fn refuse_lists_for_objects(found: &Value, own: &Value, at: validate::At) -> Result<()> {
     match (found, own) {
-        (Value::Array(_), Value::Object(_)) => {
-            Err(at.problem("found a list, expected an object {...}"))
-        }
+        (Value::Array(_), Value::Object(_)) => Err(at.problem("found a list, expected an object {...}")),
         (Value::Array(found), Value::Array(own)) => found
             .iter()
             .zip(own)

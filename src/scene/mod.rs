@@ -156,9 +156,7 @@ impl Scene {
     fn check_clouds(&self, at: At) -> Result<()> {
         let clouds = self.clouds.len();
         if clouds > MAX_CLOUDS {
-            return Err(at.problem(format!(
-                "{clouds} clouds are too many: expected at most {MAX_CLOUDS}"
-            )));
+            return Err(at.problem(format!("{clouds} clouds are too many: expected at most {MAX_CLOUDS}")));
         }
         let ellipsoids: usize = self.clouds.iter().map(|cloud| cloud.ellipsoids.len()).sum();
         if ellipsoids > MAX_ELLIPSOIDS {

@@ -85,10 +85,7 @@ impl At<'_> {
 
     /// The error that says `problem` about this place.
     pub fn problem(&self, problem: impl Into<String>) -> Error {
-        Error::Scene {
-            path: self.to_string(),
-            problem: problem.into(),
-        }
+        Error::Scene { path: self.to_string(), problem: problem.into() }
     }
 
     /// `value` is finite and within `limits`.
@@ -116,9 +113,7 @@ impl At<'_> {
     pub fn direction(&self, v: DVec3) -> Result<()> {
         self.position(v)?;
         if v.length() < LEAST_LENGTH {
-            return Err(self.problem(format!(
-                "{v} has no direction: expected a vector that is not zero"
-            )));
+            return Err(self.problem(format!("{v} has no direction: expected a vector that is not zero")));
         }
         Ok(())
     }

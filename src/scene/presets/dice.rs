@@ -7,13 +7,7 @@ use rand_chacha::rand_core::{RngCore, SeedableRng};
 /// Unit quaternions about the vertical that are exact in two decimals, so that files
 /// stay short: half angles of the triangles 7-24-25 and 3-4-5. The yaws are 0, 33,
 /// 74, 106 and 147 degrees.
-const YAWS: [(f64, f64); 5] = [
-    (0.0, 1.0),
-    (0.28, 0.96),
-    (0.6, 0.8),
-    (0.8, 0.6),
-    (0.96, 0.28),
-];
+const YAWS: [(f64, f64); 5] = [(0.0, 1.0), (0.28, 0.96), (0.6, 0.8), (0.8, 0.6), (0.96, 0.28)];
 
 /// Seeded chance.
 ///

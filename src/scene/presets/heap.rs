@@ -49,11 +49,7 @@ pub(super) struct Edges {
 
 impl Heap {
     pub fn on(base: f64) -> Self {
-        Self {
-            base,
-            lumps: Vec::new(),
-            youngest: 0,
-        }
+        Self { base, lumps: Vec::new(), youngest: 0 }
     }
 
     /// Puts a lump around `center` (metres), turned by chance and lifted where it
@@ -62,10 +58,7 @@ impl Heap {
         let radii = tenths(radii);
         let mut center = tenths(center);
         center.y = center.y.max(tenth(self.base + radii.y));
-        self.lumps.push(Ellipsoid {
-            orientation: dice.yaw(),
-            ..Ellipsoid::new(center, radii)
-        });
+        self.lumps.push(Ellipsoid { orientation: dice.yaw(), ..Ellipsoid::new(center, radii) });
     }
 
     /// Puts a flat lump right on the base, around the horizontal place `p` (metres).
@@ -100,11 +93,7 @@ impl Heap {
 
         let mean = parent.radii.element_sum() / 3.0;
         let radius = mean * dice.between(*RATIO.start(), *RATIO.end());
-        let shape = DVec3::new(
-            dice.between(0.9, 1.15),
-            dice.between(0.8, 0.95),
-            dice.between(0.9, 1.1),
-        );
+        let shape = DVec3::new(dice.between(0.9, 1.15), dice.between(0.8, 0.95), dice.between(0.9, 1.1));
         self.put(dice, center, radius * shape);
     }
 
@@ -128,10 +117,7 @@ impl Heap {
         Cloud {
             name: name.to_owned(),
             ellipsoids: self.lumps,
-            edge: Edge {
-                boundary: edges.boundary,
-                wispiness: edges.top,
-            },
+            edge: Edge { boundary: edges.boundary, wispiness: edges.top },
             ..Cloud::default()
         }
     }

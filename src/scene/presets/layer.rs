@@ -28,25 +28,10 @@ fn roll(dice: &mut Dice, p: DVec3, name: &str) -> Cloud {
         let place = p + 280.0 * dice.disc();
         heap.lay(dice, place, radii);
     }
-    let flat = Growth {
-        children: (1, 2),
-        up: 0.3,
-        out: 0.3,
-    };
+    let flat = Growth { children: (1, 2), up: 0.3, out: 0.3 };
     heap.grow(dice, &flat);
-    let mut cloud = heap.into_cloud(
-        name,
-        &Edges {
-            boundary: 45.0,
-            base: 0.4,
-            top: 0.25,
-        },
-    );
-    for lump in cloud
-        .ellipsoids
-        .iter_mut()
-        .filter(|lump| lump.radii.y > 90.0)
-    {
+    let mut cloud = heap.into_cloud(name, &Edges { boundary: 45.0, base: 0.4, top: 0.25 });
+    for lump in cloud.ellipsoids.iter_mut().filter(|lump| lump.radii.y > 90.0) {
         // Under an inversion the tops are pressed flat; the bottom stays where it is.
         let bottom = lump.center.y - lump.radii.y;
         lump.radii.y = 90.0;
@@ -63,20 +48,9 @@ pub(super) fn sheet(dice: &mut Dice) -> Cloud {
             let grid = DVec3::new(column as f64 - 3.5, 0.0, row as f64 - 4.5);
             let place = 850.0 * (grid + 0.2 * dice.disc());
             let thickness = dice.between(50.0, 62.0);
-            let radii = DVec3::new(
-                dice.between(900.0, 1050.0),
-                thickness,
-                dice.between(900.0, 1050.0),
-            );
+            let radii = DVec3::new(dice.between(900.0, 1050.0), thickness, dice.between(900.0, 1050.0));
             heap.lay(dice, place, radii);
         }
     }
-    heap.into_cloud(
-        "sheet",
-        &Edges {
-            boundary: 20.0,
-            base: 0.3,
-            top: 0.3,
-        },
-    )
+    heap.into_cloud("sheet", &Edges { boundary: 20.0, base: 0.3, top: 0.3 })
 }

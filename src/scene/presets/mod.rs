@@ -85,15 +85,9 @@ impl Preset {
             exposure: SUNLIT,
             ..Scene::default()
         };
-        scene.noise = Noise {
-            seed: (seed ^ (seed >> 32)) as u32,
-            scale: self.noise_scale(),
-            ..Noise::default()
-        };
-        scene.sun.position = SunPosition::Angles {
-            azimuth_deg: 230.0,
-            elevation_deg: 40.0,
-        };
+        scene.noise =
+            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
+        scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
             Self::Glory => aim_at_glory(&mut scene),
@@ -102,9 +96,7 @@ impl Preset {
             _ => {}
         }
         if scene.camera.is_none() {
-            scene.camera = scene
-                .bounds()
-                .map(|bounds| portrait(bounds, scene.ground.altitude));
+            scene.camera = scene.bounds().map(|bounds| portrait(bounds, scene.ground.altitude));
         }
         scene
     }
@@ -154,10 +146,7 @@ impl FromStr for Preset {
             Some(name) => format!("; did you mean `{name}`?"),
             None => ".".to_owned(),
         };
-        Err(Error::Argument(format!(
-            "there is no preset `{text}`{hint} Known: {}",
-            names.join(", ")
-        )))
+        Err(Error::Argument(format!("there is no preset `{text}`{hint} Known: {}", names.join(", "))))
     }
 }
 
@@ -165,14 +154,8 @@ impl FromStr for Preset {
 fn sphere() -> Cloud {
     Cloud {
         name: "sphere".to_owned(),
-        ellipsoids: vec![Ellipsoid::new(
-            DVec3::new(0.0, 1000.0, 0.0),
-            DVec3::splat(100.0),
-        )],
-        edge: Edge {
-            boundary: 0.0,
-            wispiness: 0.0,
-        },
+        ellipsoids: vec![Ellipsoid::new(DVec3::new(0.0, 1000.0, 0.0), DVec3::splat(100.0))],
+        edge: Edge { boundary: 0.0, wispiness: 0.0 },
         ..Cloud::default()
     }
 }
@@ -192,13 +175,8 @@ fn kol() -> Cloud {
     ];
     Cloud {
         name: "kol".to_owned(),
-        ellipsoids: lumps
-            .map(|(center, radii)| Ellipsoid::new(center.into(), radii.into()))
-            .to_vec(),
-        edge: Edge {
-            boundary: 62.0,
-            wispiness: 0.75,
-        },
+        ellipsoids: lumps.map(|(center, radii)| Ellipsoid::new(center.into(), radii.into())).to_vec(),
+        edge: Edge { boundary: 62.0, wispiness: 0.75 },
         ..Cloud::default()
     }
 }
@@ -231,14 +209,9 @@ fn look_along_the_field(scene: &mut Scene) {
 fn aim_at_glory(scene: &mut Scene) {
     let to_sun = DVec3::new(0.0, 0.8, 0.6);
     let eye = DVec3::new(0.0, 1700.0, 0.0);
-    scene.sun = Sun {
-        position: SunPosition::Direction(to_sun),
-        ..Sun::default()
-    };
+    scene.sun = Sun { position: SunPosition::Direction(to_sun), ..Sun::default() };
     scene.camera = Some(Camera {
-        projection: Projection::Perspective {
-            vertical_fov_deg: 90.0,
-        },
+        projection: Projection::Perspective { vertical_fov_deg: 90.0 },
         ..camera(eye, eye - 1000.0 * to_sun)
     });
 }
@@ -248,8 +221,6 @@ fn camera(position: DVec3, target: DVec3) -> Camera {
         position: tenths(position),
         target: tenths(target),
         roll_deg: 0.0,
-        projection: Projection::Perspective {
-            vertical_fov_deg: FIELD_OF_VIEW,
-        },
+        projection: Projection::Perspective { vertical_fov_deg: FIELD_OF_VIEW },
     }
 }
