@@ -1,6 +1,6 @@
 //! `nephos schema`: the JSON Schema of scene files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -11,7 +11,7 @@ use crate::scene::{schema, write_whole};
 /// Write the JSON Schema of scene files, for editors and other programs.
 #[derive(Debug, Args)]
 pub struct Schema {
-    /// File to write, replacing it; the standard output where left out.
+    /// File to write, replacing it; the standard output where left out or `-`.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -23,7 +23,11 @@ impl Schema {
     /// [`Error::File`](crate::Error::File) where the file cannot be written.
     pub fn run(self) -> Result<()> {
         let text = format!("{:#}\n", schema());
-        match &self.output {
+        match self
+            .output
+            .as_deref()
+            .filter(|path| *path != Path::new("-"))
+        {
             None => print(&text),
             Some(path) => write_whole(path, &text),
         }

@@ -7,6 +7,7 @@ mod cloud;
 mod droplets;
 mod edge;
 mod ellipsoid;
+mod explain;
 mod file;
 mod noise;
 mod presets;
@@ -77,7 +78,7 @@ pub struct Scene {
     #[schemars(range(min = TIME.min, max = TIME.max))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
-    /// south, from where all clouds (as they are at time 0) fit into the picture.
+    /// south, filled with all clouds as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
