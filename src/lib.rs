@@ -7,6 +7,7 @@ pub mod cli;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
+mod files;
 pub mod gpu;
 pub mod optics;
 pub mod render;

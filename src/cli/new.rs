@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::builder::PossibleValuesParser;
-use clap::builder::TypedValueParser;
-use clap::{Args, builder::ValueParser};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 
 use super::terminal::print;
 use crate::scene::{Preset, Scene};
@@ -19,7 +18,7 @@ pub struct New {
     /// Any whole number: other seeds give other clouds of the same kind.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// File to write; the standard output where left out.
+    /// File to write; the standard output where left out or `-`.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite FILE where it exists.
@@ -35,7 +34,7 @@ impl New {
     /// [`Error::File`] where it cannot be written.
     pub fn run(self) -> Result<()> {
         let scene = self.preset.scene(self.seed);
-        match &self.output {
+        match self.output.as_deref().filter(|path| *path != Path::new("-")) {
             None => print(&scene.to_json()),
             Some(path) => write(path, &scene, self.force),
         }

@@ -5,8 +5,8 @@ use std::{io, path::Path};
 use exr::prelude::{self as openexr, WritableImage};
 use half::f16;
 
-use super::{Picture, write_atomically};
-use crate::{Result, gpu::Gpu, render::Layers};
+use super::Picture;
+use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
 
 /// Writes one picture as R, G, B, A.
 ///
@@ -84,8 +84,8 @@ fn write_channels(path: &Path, size: &Picture, list: &[(String, Vec<f32>)]) -> R
         openexr::AnyChannels::sort(channels.collect()),
     );
     let image = openexr::Image::from_layer(layer);
-    write_atomically(path, |path| {
-        image.write().to_file(path).map_err(|error| match error {
+    write_whole(path, |file| {
+        image.write().to_buffered(file).map_err(|error| match error {
             openexr::Error::Io(error) => error,
             other => io::Error::other(other.to_string()),
         })

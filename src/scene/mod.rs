@@ -7,6 +7,7 @@ mod cloud;
 mod droplets;
 mod edge;
 mod ellipsoid;
+mod explain;
 mod file;
 mod noise;
 mod presets;
@@ -25,8 +26,6 @@ pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use file::schema;
-#[cfg(feature = "cli")]
-pub(crate) use file::write_whole;
 pub use noise::Noise;
 pub use presets::Preset;
 pub use sky::{Atmosphere, Ground, Sky};
@@ -77,7 +76,7 @@ pub struct Scene {
     #[schemars(range(min = TIME.min, max = TIME.max))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
-    /// south, from where all clouds (as they are at time 0) fit into the picture.
+    /// south, filled with all clouds as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it.

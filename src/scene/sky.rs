@@ -19,7 +19,7 @@ pub enum Sky {
     Atmosphere(Atmosphere),
     /// The same light from every direction above and below the horizon.
     Uniform {
-        /// Linear RGB radiance, 0 to 1000000, in units of the sun's irradiance per steradian.
+        /// Linear RGB radiance, each 0 to 1000000, in the unit of the sun's irradiance per steradian.
         #[schemars(inner(range(min = RADIANCE.min, max = RADIANCE.max)))]
         radiance: [f64; 3],
     },

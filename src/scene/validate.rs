@@ -93,7 +93,8 @@ impl At<'_> {
         if value >= limits.min && value <= limits.max {
             return Ok(());
         }
-        Err(self.problem(format!("{value} is out of range: expected {limits}")))
+        let found = Short(value);
+        Err(self.problem(format!("{found} is out of range: expected {limits}")))
     }
 
     /// Every component of `values` is finite and within `limits`.

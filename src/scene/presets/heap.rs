@@ -14,6 +14,9 @@ use crate::scene::{Cloud, Edge, Ellipsoid};
 /// Size of a child against its parent.
 const RATIO: RangeInclusive<f64> = 0.5..=0.65;
 
+/// Places tried for a child, of which it takes the freest.
+const TRIES: usize = 8;
+
 /// How deep a child sits in its parent: 1 is with its centre on the surface.
 const SEAT: RangeInclusive<f64> = 0.75..=0.95;
 
@@ -78,23 +81,40 @@ impl Heap {
         }
     }
 
-    /// Puts one child on the upper side of lump `i`.
+    /// Puts one child on the upper side of lump `i`, where there is most room.
     fn bud(&mut self, dice: &mut Dice, i: usize, growth: &Growth) {
-        let parent = self.lumps[i].clone();
-        let axis = self.axis();
-        let away = (parent.center - axis).with_y(0.0).normalize_or_zero();
+        let mut freest = (0.0, DVec3::ZERO);
+        for _ in 0..TRIES {
+            let center = self.seat(dice, i, growth);
+            let room = self.room(center, i);
+            if room > freest.0 {
+                freest = (room, center);
+            }
+        }
+        let mean = self.lumps[i].radii.element_sum() / 3.0;
+        let radius = mean * dice.between(*RATIO.start(), *RATIO.end());
+        let shape = DVec3::new(dice.between(0.9, 1.15), dice.between(0.8, 0.95), dice.between(0.9, 1.1));
+        self.put(dice, freest.1, radius * shape);
+    }
+
+    /// A place near the upper surface of lump `i`.
+    fn seat(&self, dice: &mut Dice, i: usize, growth: &Growth) -> DVec3 {
+        let parent = &self.lumps[i];
+        let away = (parent.center - self.axis()).with_y(0.0).normalize_or_zero();
         let mut to_child = dice.sphere();
         to_child.y = to_child.y.abs();
         let to_child = (to_child + growth.up * DVec3::Y + growth.out * away).normalize();
-
-        let seat = dice.between(*SEAT.start(), *SEAT.end());
+        let depth = dice.between(*SEAT.start(), *SEAT.end());
         let on_unit_sphere = (parent.orientation.inverse() * to_child).normalize();
-        let center = parent.center + parent.orientation * (seat * parent.radii * on_unit_sphere);
+        parent.center + parent.orientation * (depth * parent.radii * on_unit_sphere)
+    }
 
-        let mean = parent.radii.element_sum() / 3.0;
-        let radius = mean * dice.between(*RATIO.start(), *RATIO.end());
-        let shape = DVec3::new(dice.between(0.9, 1.15), dice.between(0.8, 0.95), dice.between(0.9, 1.1));
-        self.put(dice, center, radius * shape);
+    /// Distance from `p` to the nearest lump but `parent`, in radii of that lump;
+    /// more than 0.
+    fn room(&self, p: DVec3, parent: usize) -> f64 {
+        let others = self.lumps.iter().enumerate().filter(|(i, _)| *i != parent);
+        let distances = others.map(|(_, lump)| p.distance(lump.center) / lump.radii.max_element());
+        distances.fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE)
     }
 
     /// Middle of all lumps.

@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::file::nearest;
+use super::explain::nearest;
 use super::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition, Wind};
 use crate::{Error, Result};
 use dice::Dice;
@@ -40,7 +40,7 @@ pub enum Preset {
     Cumulonimbus,
     /// A thin sheet from above, the sun behind the camera: glory and fogbow.
     Glory,
-    /// One homogeneous sphere; the seed changes nothing.
+    /// One homogeneous sphere, which no seed changes.
     Sphere,
     /// Eight ellipsoids, 400 m wide, with a boundary of 62 m, after Kol (2013); the
     /// seed changes only the noise.
@@ -103,9 +103,9 @@ impl Preset {
 
     fn clouds(self, dice: &mut Dice) -> Vec<Cloud> {
         match self {
-            Self::Humilis => vec![cumulus::humilis(dice)],
-            Self::Mediocris => vec![cumulus::mediocris(dice)],
-            Self::Congestus => vec![cumulus::congestus(dice)],
+            Self::Humilis => vec![cumulus::HUMILIS.grow(dice)],
+            Self::Mediocris => vec![cumulus::MEDIOCRIS.grow(dice)],
+            Self::Congestus => vec![cumulus::CONGESTUS.grow(dice)],
             Self::Fractus => vec![cumulus::fractus(dice)],
             Self::Stratocumulus => layer::stratocumulus(dice),
             Self::Cumulonimbus => vec![cumulus::cumulonimbus(dice)],
@@ -118,9 +118,9 @@ impl Preset {
     /// Size of the largest billows, metres: about twice the boundary.
     fn noise_scale(self) -> f64 {
         match self {
-            Self::Humilis | Self::Glory => 50.0,
+            Self::Humilis | Self::Glory => 45.0,
             Self::Fractus => 60.0,
-            Self::Mediocris | Self::Stratocumulus => 100.0,
+            Self::Mediocris | Self::Stratocumulus => 90.0,
             Self::Sphere | Self::Kol => 120.0,
             Self::Congestus => 150.0,
             Self::Cumulonimbus => 400.0,
@@ -208,7 +208,7 @@ fn look_along_the_field(scene: &mut Scene) {
 /// fogbow at 40 degrees. The direction is exact: no sine rounds it.
 fn aim_at_glory(scene: &mut Scene) {
     let to_sun = DVec3::new(0.0, 0.8, 0.6);
-    let eye = DVec3::new(0.0, 1700.0, 0.0);
+    let eye = DVec3::new(0.0, 1500.0, 0.0);
     scene.sun = Sun { position: SunPosition::Direction(to_sun), ..Sun::default() };
     scene.camera = Some(Camera {
         projection: Projection::Perspective { vertical_fov_deg: 90.0 },
