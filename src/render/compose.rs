@@ -6,8 +6,8 @@ use crate::gpu;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ComposeUniform {
-    exposure: f32,
-    padding: [f32; 3],
+    pub(super) exposure: f32,
+    pub(super) padding: [f32; 3],
 }
 
 /// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
