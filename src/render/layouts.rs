@@ -5,13 +5,8 @@ use std::mem::{offset_of, size_of};
 use wgpu::naga::{TypeInner, proc::Layouter};
 
 use super::{
-    camera::CameraUniform,
-    clouds::CloudUniform,
-    compose::ComposeUniform,
-    ellipsoids::EllipsoidUniform,
-    light::LightBox,
-    noise::NoiseFrame,
-    tiles::Tile,
+    camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
+    light::LightBox, noise::NoiseFrame, tiles::Tile,
 };
 use crate::gpu;
 
@@ -47,7 +42,11 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 #[test]
 fn structs_of_rust_and_shaders_agree() {
     let cases: [(&str, &str, Layout); 7] = [
-        ("clouds", "Camera", layout!(CameraUniform: right, projection, up, altitude, forward, pixel, size, jitter)),
+        (
+            "clouds",
+            "Camera",
+            layout!(CameraUniform: right, projection, up, altitude, forward, pixel, size, jitter),
+        ),
         (
             "clouds",
             "Ellipsoid",

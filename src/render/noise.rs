@@ -224,7 +224,8 @@ mod tests {
             mean(squares).sqrt()
         };
         for channel in 0..2 {
-            let inside: f64 = (0..SIZE - 1).map(|x| step(x, x + 1, channel)).sum::<f64>() / f64::from(SIZE - 1);
+            let inside: f64 =
+                (0..SIZE - 1).map(|x| step(x, x + 1, channel)).sum::<f64>() / f64::from(SIZE - 1);
             let across = step(SIZE - 1, 0, channel);
             assert!(across < 1.5 * inside, "channel {channel}: {across} across the seam, {inside} inside");
         }

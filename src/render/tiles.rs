@@ -165,7 +165,9 @@ mod tests {
     }
 
     fn hit(e: &EllipsoidUniform, (origin, direction): (Vec3A, Vec3A), eye: Vec3) -> bool {
-        let to_unit = |v: Vec3| Vec3::new(e.row_x.truncate().dot(v), e.row_y.truncate().dot(v), e.row_z.truncate().dot(v));
+        let to_unit = |v: Vec3| {
+            Vec3::new(e.row_x.truncate().dot(v), e.row_y.truncate().dot(v), e.row_z.truncate().dot(v))
+        };
         let (o, d) = (to_unit(eye + Vec3::from(origin) - e.center), to_unit(direction.into()));
         let t = -o.dot(d) / d.length_squared();
         let enters = (o + t * d).length() < 1.0;
@@ -195,7 +197,10 @@ mod tests {
                     assert!(owners.len() <= 1, "pixel {x} {y} is launched twice");
                     for (i, e) in ellipsoids.iter().enumerate() {
                         let listed = owners.iter().any(|tile| list(&cover, tile).contains(&(i as u32)));
-                        assert!(listed || !hit(e, ray, eye.as_vec3()), "{projection:?} from {eye}: {x} {y} misses {i}");
+                        assert!(
+                            listed || !hit(e, ray, eye.as_vec3()),
+                            "{projection:?} from {eye}: {x} {y} misses {i}"
+                        );
                     }
                 }
             }
@@ -205,7 +210,8 @@ mod tests {
     #[test]
     fn tiles_are_few_where_the_cloud_is_small() {
         let eye = DVec3::new(0.0, 0.0, 20_000.0);
-        let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
+        let camera =
+            Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
         let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), 0.0);
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();

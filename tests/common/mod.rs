@@ -2,6 +2,9 @@
 //! function of `shaders/lib` over many inputs.
 #![allow(dead_code, reason = "every test file uses its own part of it")]
 
+#[cfg(feature = "export")]
+pub mod picture;
+
 use std::sync::OnceLock;
 
 use nephos::gpu::{ComputeProgram, Gpu, read_buffer, storage_buffer};
