@@ -5,6 +5,7 @@
 mod error;
 pub mod gpu;
 pub mod optics;
+pub mod render;
 pub mod scene;
 pub mod tables;
 

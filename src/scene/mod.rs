@@ -1,1 +1,178 @@
-//! (being written)
+//! What an artist describes: clouds, light, air, camera. Plain validated data.
+//!
+//! Metres, y up, right-handed: +x is east, -z is north. Colours are linear RGB.
+
+mod camera;
+mod cloud;
+mod droplets;
+mod edge;
+mod ellipsoid;
+mod noise;
+mod sky;
+mod sun;
+mod validate;
+mod wind;
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use camera::{Camera, Projection};
+pub use cloud::Cloud;
+pub use droplets::{Droplets, Phase};
+pub use edge::Edge;
+pub use ellipsoid::Ellipsoid;
+pub use noise::Noise;
+pub use sky::{Atmosphere, Ground, Sky};
+pub use sun::{Sun, SunPosition};
+pub use wind::Wind;
+
+use crate::Result;
+use validate::{At, Limits};
+
+/// The version of the scene format that this program reads and writes.
+pub const FORMAT: u32 = 1;
+
+/// Most clouds in a scene.
+pub const MAX_CLOUDS: usize = 256;
+
+/// Most ellipsoids in a scene, all clouds together.
+pub const MAX_ELLIPSOIDS: usize = 4096;
+
+const TIME: Limits = Limits::new(-1e7, 1e7, "seconds");
+const EXPOSURE: Limits = Limits::new(-20.0, 20.0, "stops");
+
+/// An axis-aligned box: its least and its greatest corner, metres.
+pub type Bounds = (DVec3, DVec3);
+
+/// A sky with clouds. Everything may be left out; what is left out has a default.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// Version of the scene format: 1.
+    #[schemars(range(min = FORMAT, max = FORMAT))]
+    pub format: u32,
+    /// A name for people; it changes nothing in the picture.
+    pub name: String,
+    /// The clouds, at most 256; none is an empty sky.
+    #[schemars(length(max = MAX_CLOUDS))]
+    pub clouds: Vec<Cloud>,
+    /// The noise that shapes the boundaries of all clouds.
+    pub noise: Noise,
+    /// The light of the sun.
+    pub sun: Sun,
+    /// The light of the sky and what is seen behind the clouds.
+    pub sky: Sky,
+    /// The land below.
+    pub ground: Ground,
+    /// The wind that carries the clouds.
+    pub wind: Wind,
+    /// Seconds since the scene's start, -10000000 to 10000000; the wind has blown that long.
+    #[schemars(range(min = TIME.min, max = TIME.max))]
+    pub time: f64,
+    /// Where the picture is taken from. Left out, it is taken from the ground in the
+    /// south, from where all clouds (as they are at time 0) fit into the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
+    /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
+    #[schemars(range(min = EXPOSURE.min, max = EXPOSURE.max))]
+    pub exposure: f64,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            format: FORMAT,
+            name: String::new(),
+            clouds: Vec::new(),
+            noise: Noise::default(),
+            sun: Sun::default(),
+            sky: Sky::default(),
+            ground: Ground::default(),
+            wind: Wind::default(),
+            time: 0.0,
+            camera: None,
+            exposure: 0.0,
+        }
+    }
+}
+
+impl Scene {
+    /// Exact axis-aligned bounds of all ellipsoids at time 0, metres; `None` without ellipsoids.
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
+    }
+
+    /// The scene's camera, or one that stands on the ground south of the clouds and
+    /// frames all of them in a 16:9 picture, as they are at time 0.
+    pub fn camera(&self) -> Camera {
+        if let Some(camera) = &self.camera {
+            return camera.clone();
+        }
+        match self.bounds() {
+            Some(bounds) => Camera::framing(bounds, self.ground.altitude),
+            None => {
+                let mut camera = Camera::default();
+                camera.position.y += self.ground.altitude;
+                camera.target.y += self.ground.altitude;
+                camera
+            }
+        }
+    }
+
+    /// Checks every value of the scene and tells the first that is wrong.
+    ///
+    /// # Errors
+    /// [`Error::Scene`](crate::Error::Scene) with the JSON path, the value and what was expected.
+    pub fn validate(&self) -> Result<()> {
+        let at = At::Root;
+        self.check_format(at)?;
+        self.check_clouds(at.field("clouds"))?;
+        self.noise.check(at.field("noise"))?;
+        self.sun.check(at.field("sun"))?;
+        self.sky.check(at.field("sky"))?;
+        self.ground.check(at.field("ground"))?;
+        self.wind.check(at.field("wind"))?;
+        at.field("time").number(self.time, TIME)?;
+        if let Some(camera) = &self.camera {
+            camera.check(at.field("camera"))?;
+        }
+        at.field("exposure").number(self.exposure, EXPOSURE)
+    }
+
+    fn check_format(&self, at: At) -> Result<()> {
+        if self.format == FORMAT {
+            return Ok(());
+        }
+        Err(at.field("format").problem(wrong_format(&self.format)))
+    }
+
+    fn check_clouds(&self, at: At) -> Result<()> {
+        let clouds = self.clouds.len();
+        if clouds > MAX_CLOUDS {
+            return Err(at.problem(format!(
+                "{clouds} clouds are too many: expected at most {MAX_CLOUDS}"
+            )));
+        }
+        let ellipsoids: usize = self.clouds.iter().map(|cloud| cloud.ellipsoids.len()).sum();
+        if ellipsoids > MAX_ELLIPSOIDS {
+            return Err(at.problem(format!(
+                "{ellipsoids} ellipsoids are too many: expected at most {MAX_ELLIPSOIDS} in all clouds together"
+            )));
+        }
+        for (i, cloud) in self.clouds.iter().enumerate() {
+            cloud.check(at.index(i))?;
+        }
+        Ok(())
+    }
+}
+
+/// What is wrong with a file of format `found`.
+fn wrong_format(found: &impl std::fmt::Display) -> String {
+    format!("the file has format {found}, but this program reads format {FORMAT}")
+}
+
+/// The smallest box around two.
+fn union(a: Bounds, b: Bounds) -> Bounds {
+    (a.0.min(b.0), a.1.max(b.1))
+}

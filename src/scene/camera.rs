@@ -1,0 +1,241 @@
+//! The camera, and the one that is taken where a scene has none.
+
+use glam::{DMat3, DQuat, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Bounds;
+use super::validate::{At, COORDINATE, Limits};
+use crate::Result;
+
+const ROLL: Limits = Limits::new(-360.0, 360.0, "degrees");
+const FIELD_OF_VIEW: Limits = Limits::new(0.1, 170.0, "degrees");
+const FOCAL_LENGTH: Limits = Limits::new(0.1, 1e5, "millimetres");
+const SENSOR: Limits = Limits::new(0.1, 1e3, "millimetres");
+const HEIGHT: Limits = Limits::new(0.01, 1e7, "metres");
+
+/// Height of the eye above the ground where a scene has no camera, metres.
+const EYE_HEIGHT: f64 = 1.7;
+/// Vertical field of view where a scene has no camera, degrees.
+const FRAME_FIELD_OF_VIEW: f64 = 40.0;
+/// Aspect, width over height, of the picture into which all clouds must fit.
+const FRAME_ASPECT: f64 = 16.0 / 9.0;
+/// Share of the picture that the clouds may fill, so that they keep off its rim.
+const FRAME_FILL: f64 = 0.85;
+
+/// Where the picture is taken from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// Where the camera is [x, y, z], metres: x east, y up, z south.
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    pub position: DVec3,
+    /// The point in the middle of the picture [x, y, z], metres.
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    pub target: DVec3,
+    /// Turns the camera clockwise about its line of sight, as seen from behind it,
+    /// degrees, -360 to 360. 0 keeps the horizon level.
+    #[serde(default)]
+    #[schemars(range(min = ROLL.min, max = ROLL.max))]
+    pub roll_deg: f64,
+    /// How directions become places in the picture.
+    #[serde(default)]
+    pub projection: Projection,
+}
+
+/// How directions become places in the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Projection {
+    /// A pinhole, said by its field of view.
+    Perspective {
+        /// Angle from the lower to the upper edge of the picture, degrees, 0.1 to 170.
+        #[schemars(range(min = FIELD_OF_VIEW.min, max = FIELD_OF_VIEW.max))]
+        vertical_fov_deg: f64,
+    },
+    /// A pinhole, said by its lens. The width of the sensor fills the width of the
+    /// picture; the height follows from the picture's aspect.
+    Lens {
+        /// Focal length, millimetres, 0.1 to 100000.
+        #[schemars(range(min = FOCAL_LENGTH.min, max = FOCAL_LENGTH.max))]
+        focal_length_mm: f64,
+        /// Width of the sensor or film, millimetres, 0.1 to 1000; 36 where left out.
+        #[serde(default = "full_frame_width")]
+        #[schemars(range(min = SENSOR.min, max = SENSOR.max))]
+        sensor_width_mm: f64,
+    },
+    /// Parallel lines of sight, without perspective.
+    Orthographic {
+        /// What the height of the picture spans, metres, 0.01 to 10000000.
+        #[schemars(range(min = HEIGHT.min, max = HEIGHT.max))]
+        height: f64,
+    },
+    /// The whole sphere around the camera: longitude across, latitude upwards, the
+    /// target in the middle. For sky maps.
+    Equirectangular,
+}
+
+fn full_frame_width() -> f64 {
+    36.0
+}
+
+impl Default for Projection {
+    fn default() -> Self {
+        Self::Perspective {
+            vertical_fov_deg: FRAME_FIELD_OF_VIEW,
+        }
+    }
+}
+
+impl Projection {
+    /// Angle from the lower to the upper edge of a picture of `aspect` (width over
+    /// height), radians; `None` where the projection is no pinhole.
+    pub fn vertical_fov(&self, aspect: f64) -> Option<f64> {
+        match *self {
+            Self::Perspective { vertical_fov_deg } => Some(vertical_fov_deg.to_radians()),
+            Self::Lens {
+                focal_length_mm,
+                sensor_width_mm,
+            } => Some(2.0 * (0.5 * sensor_width_mm / (aspect * focal_length_mm)).atan()),
+            Self::Orthographic { .. } | Self::Equirectangular => None,
+        }
+    }
+
+    fn check(&self, at: At) -> Result<()> {
+        match *self {
+            Self::Perspective { vertical_fov_deg } => {
+                let at = at.field("perspective");
+                at.field("vertical_fov_deg")
+                    .number(vertical_fov_deg, FIELD_OF_VIEW)
+            }
+            Self::Lens {
+                focal_length_mm,
+                sensor_width_mm,
+            } => {
+                let at = at.field("lens");
+                at.field("focal_length_mm")
+                    .number(focal_length_mm, FOCAL_LENGTH)?;
+                at.field("sensor_width_mm").number(sensor_width_mm, SENSOR)
+            }
+            Self::Orthographic { height } => {
+                let at = at.field("orthographic");
+                at.field("height").number(height, HEIGHT)
+            }
+            Self::Equirectangular => Ok(()),
+        }
+    }
+}
+
+impl Default for Camera {
+    /// At eye height over the origin, looking north and a little up.
+    fn default() -> Self {
+        Self::standing_at(DVec3::new(0.0, EYE_HEIGHT, 0.0), 0.25)
+    }
+}
+
+impl Camera {
+    /// A camera at `position` that looks north, raised by `slope` (tangent of the elevation).
+    fn standing_at(position: DVec3, slope: f64) -> Self {
+        Self {
+            position,
+            target: position + 1000.0 * DVec3::new(0.0, slope, -1.0),
+            roll_deg: 0.0,
+            projection: Projection::default(),
+        }
+    }
+
+    /// Unit vector of the line of sight, from the camera to its target.
+    pub fn forward(&self) -> DVec3 {
+        (self.target - self.position).normalize_or(DVec3::NEG_Z)
+    }
+
+    /// Rotation from the camera's space (x right, y up, -z forward) to the world's.
+    ///
+    /// Up in the picture is up in the world; where the camera looks straight up or
+    /// down it is north (-z).
+    pub fn world_from_camera(&self) -> DQuat {
+        let forward = self.forward();
+        let across = forward.cross(DVec3::Y);
+        let level = if across.length_squared() > 1e-12 {
+            across.normalize()
+        } else {
+            forward.cross(DVec3::NEG_Z).normalize()
+        };
+        let basis = DMat3::from_cols(level, level.cross(forward), -forward);
+        DQuat::from_axis_angle(forward, self.roll_deg.to_radians()) * DQuat::from_mat3(&basis)
+    }
+
+    /// A camera on the ground (at `ground` metres) to the south of `bounds`, looking
+    /// north, from where all of them and the horizon fit into a 16:9 picture with a margin.
+    pub fn framing(bounds: Bounds, ground: f64) -> Self {
+        let (min, max) = bounds;
+        let eye = |distance: f64| {
+            DVec3::new(0.5 * (min.x + max.x), ground + EYE_HEIGHT, max.z + distance)
+        };
+        let view = |distance: f64| {
+            let position = eye(distance);
+            Self::standing_at(position, middle_slope(bounds, position))
+        };
+        // Doubling finds a distance that is far enough, halving the nearest such one.
+        let size = (max - min).max_element();
+        let mut far = size.max(1.0);
+        while !view(far).holds(bounds) && far < COORDINATE.max {
+            far *= 2.0;
+        }
+        let mut near = 0.0;
+        for _ in 0..30 {
+            let middle = 0.5 * (near + far);
+            if view(middle).holds(bounds) {
+                far = middle;
+            } else {
+                near = middle;
+            }
+        }
+        view(far)
+    }
+
+    /// Whether all corners of `bounds` lie in the margins of a 16:9 picture.
+    fn holds(&self, bounds: Bounds) -> bool {
+        let half_height = FRAME_FILL * (0.5 * FRAME_FIELD_OF_VIEW.to_radians()).tan();
+        let camera_from_world = self.world_from_camera().inverse();
+        corners(bounds).into_iter().all(|corner| {
+            let p = camera_from_world * (corner - self.position);
+            let depth = -p.z;
+            depth > 0.0
+                && p.x.abs() <= FRAME_ASPECT * half_height * depth
+                && p.y.abs() <= half_height * depth
+        })
+    }
+
+    pub(super) fn check(&self, at: At) -> Result<()> {
+        at.field("position").position(self.position)?;
+        at.field("target").position(self.target)?;
+        if self.position.distance(self.target) < 1e-6 {
+            return Err(at.field("target").problem(format!(
+                "{} is where the camera is: expected a point that it can look at",
+                self.target
+            )));
+        }
+        at.field("roll_deg").number(self.roll_deg, ROLL)?;
+        self.projection.check(at.field("projection"))
+    }
+}
+
+/// Tangent of the elevation half way between the lowest and the highest direction in
+/// which `eye` sees `bounds` and the horizon.
+fn middle_slope(bounds: Bounds, eye: DVec3) -> f64 {
+    let elevations = corners(bounds).map(|p| (p.y - eye.y).atan2(eye.z - p.z));
+    let lowest = elevations.into_iter().fold(0.0, f64::min);
+    let highest = elevations.into_iter().fold(0.0, f64::max);
+    (0.5 * (lowest + highest)).tan()
+}
+
+fn corners((min, max): Bounds) -> [DVec3; 8] {
+    std::array::from_fn(|i| {
+        DVec3::new(
+            if i & 1 == 0 { min.x } else { max.x },
+            if i & 2 == 0 { min.y } else { max.y },
+            if i & 4 == 0 { min.z } else { max.z },
+        )
+    })
+}

@@ -1,0 +1,107 @@
+//! What surrounds the clouds: the air above, the land below.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::validate::{At, COORDINATE, Limits};
+use crate::Result;
+
+const RADIANCE: Limits = Limits::new(0.0, 1e6, "");
+const HAZE: Limits = Limits::new(0.0, 20.0, "");
+const OZONE: Limits = Limits::new(0.0, 20.0, "");
+const ALBEDO: Limits = Limits::new(0.0, 1.0, "");
+
+/// The light of the sky and what is seen behind the clouds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Sky {
+    /// The Earth's atmosphere, lit by the sun.
+    Atmosphere(Atmosphere),
+    /// The same light from every direction above and below the horizon.
+    Uniform {
+        /// Linear RGB radiance, 0 to 1000000, in units of the sun's irradiance per steradian.
+        #[schemars(inner(range(min = RADIANCE.min, max = RADIANCE.max)))]
+        radiance: [f64; 3],
+    },
+    /// No light but the sun's, and black behind the clouds.
+    None,
+}
+
+/// What the air holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Atmosphere {
+    /// Multiplies the aerosol, 0 to 20, no unit: 0 is pure air, 1 clean continental
+    /// air, 5 and more a hazy day.
+    #[schemars(range(min = HAZE.min, max = HAZE.max))]
+    pub haze: f64,
+    /// Multiplies the ozone, 0 to 20, no unit. It keeps the zenith blue at dusk.
+    #[schemars(range(min = OZONE.min, max = OZONE.max))]
+    pub ozone: f64,
+}
+
+/// The land below: a plane that reflects light evenly in all directions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Ground {
+    /// Linear RGB share of the light that the ground reflects, each 0 to 1: land
+    /// 0.1, sea 0.05, sand 0.3, fresh snow 0.9.
+    #[schemars(inner(range(min = ALBEDO.min, max = ALBEDO.max)))]
+    pub albedo: [f64; 3],
+    /// Height of the ground, the y of its plane, metres.
+    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max))]
+    pub altitude: f64,
+}
+
+impl Default for Sky {
+    fn default() -> Self {
+        Self::Atmosphere(Atmosphere::default())
+    }
+}
+
+impl Default for Atmosphere {
+    fn default() -> Self {
+        Self {
+            haze: 1.0,
+            ozone: 1.0,
+        }
+    }
+}
+
+impl Default for Ground {
+    /// Land without snow. The mean is the average ground reflectance 0.1 of Bruneton
+    /// and Neyret (2008); its warm tint, soil between grass, is a matter of taste.
+    fn default() -> Self {
+        Self {
+            albedo: [0.12, 0.11, 0.07],
+            altitude: 0.0,
+        }
+    }
+}
+
+impl Sky {
+    pub(super) fn check(&self, at: At) -> Result<()> {
+        match self {
+            Self::Atmosphere(air) => air.check(at.field("atmosphere")),
+            Self::Uniform { radiance } => {
+                let uniform = at.field("uniform");
+                uniform.field("radiance").numbers(radiance, RADIANCE)
+            }
+            Self::None => Ok(()),
+        }
+    }
+}
+
+impl Atmosphere {
+    fn check(&self, at: At) -> Result<()> {
+        at.field("haze").number(self.haze, HAZE)?;
+        at.field("ozone").number(self.ozone, OZONE)
+    }
+}
+
+impl Ground {
+    pub(super) fn check(&self, at: At) -> Result<()> {
+        at.field("albedo").numbers(&self.albedo, ALBEDO)?;
+        at.field("altitude").number(self.altitude, COORDINATE)
+    }
+}

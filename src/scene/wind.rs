@@ -1,0 +1,28 @@
+//! The wind.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::validate::{At, Limits};
+use crate::Result;
+
+const SPEED: Limits = Limits::new(-1e3, 1e3, "metres per second");
+
+/// The wind that carries the clouds through the noise.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Wind {
+    /// Where the air goes [x, y, z], metres per second, each -1000 to 1000: x to the
+    /// east, y up, z to the south. After `time` seconds the clouds have drifted
+    /// `time` times as far.
+    #[schemars(with = "[f64; 3]", inner(range(min = SPEED.min, max = SPEED.max)))]
+    pub velocity: DVec3,
+}
+
+impl Wind {
+    pub(super) fn check(&self, at: At) -> Result<()> {
+        at.field("velocity")
+            .numbers(&self.velocity.to_array(), SPEED)
+    }
+}
