@@ -9,5 +9,6 @@ mod timing;
 pub use device::{AdapterSummary, Gpu, adapters};
 pub use readback::{read_buffer, read_texture};
 pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
+pub(crate) use shader::{bind_group, shader_module};
 pub use texture::{TextureDesc, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer};
 pub use timing::{PassTime, Timing};

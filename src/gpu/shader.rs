@@ -13,11 +13,12 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "camera", "constants",
+    "air", "atmosphere", "camera", "constants",
 );
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
+    "aerial", "ground_light", "multiple_scattering", "sky", "sky_light", "sky_view", "transmittance",
 );
 
 /// The whole source of an entry point, or of any text with `// @use` lines.
