@@ -66,15 +66,19 @@ const LIMB: vec3f = vec3f(0.397, 0.503, 0.652);
 // Radiance of the disc of the sun. A disc smaller than a pixel is drawn as large as
 // the pixel and dimmer, so that it neither flickers nor gains light.
 fn sun_disc(direction: vec3f) -> vec3f {
-    let radius = max(sky.atmosphere.sun_radius, 0.5 * camera.pixel);
+    let pixel = camera.pixel;
     // Chords, not cosines, which are all 1 here.
-    let chord = 2.0 * sin(0.5 * radius);
-    let from_centre = distance(direction, sky.to_sun);
-    let share = saturate(0.5 + (radius - from_centre) / camera.pixel);
-    let rim = saturate(from_centre / chord);
-    // Their mean over the disc is 1.
-    let limb = (1.0 + 0.5 * LIMB) * pow(vec3f(max(1.0 - rim * rim, 1e-4)), 0.5 * LIMB);
-    var radiance = limb * sky.irradiance / (PI * chord * chord);
+    let radius = max(2.0 * sin(0.5 * sky.atmosphere.sun_radius), 0.5 * pixel);
+    let from_center = distance(direction, sky.to_sun);
+    let share = saturate(0.5 + (radius - from_center) / pixel);
+    // Pixels on the edge take the limb of their inner half; one pixel alone has none.
+    let sharp = 1.0 - 0.5 * pixel / radius;
+    let rim = min(from_center / radius, sharp);
+    let exponent = 0.5 * sharp * LIMB;
+    // Its mean over the disc is 1.
+    let limb = (1.0 + exponent) * pow(vec3f(max(1.0 - rim * rim, 1e-6)), exponent);
+    // The integral of `share` is the solid angle, edge included.
+    var radiance = limb * sky.irradiance / (PI * (radius * radius + pixel * pixel / 12.0));
     if ATMOSPHERE {
         let altitude = max(camera.altitude, 0.0);
         let above = max(direction.y, horizon_mu(sky.atmosphere, altitude));

@@ -51,6 +51,6 @@ fn radiance_from(i: u32, part: u32) -> vec3f {
             let irradiance = ground_irradiance(ground_table, linear_sampler, sky.to_sun.y);
             mean = sky.atmosphere.ground_albedo / PI * irradiance;
         }
-        textureStore(result, vec2u(part, 0u), sky_light_texel(sky.irradiance * mean));
+        textureStore(result, vec2u(part, 0u), light_texel(sky.irradiance * mean));
     }
 }

@@ -2,7 +2,12 @@
 
 #![warn(missing_docs)]
 
+#[cfg(feature = "cli")]
+pub mod cli;
 mod error;
+#[cfg(feature = "export")]
+pub mod export;
+mod files;
 pub mod gpu;
 pub mod optics;
 pub mod render;

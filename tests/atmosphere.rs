@@ -383,16 +383,16 @@ fn half_azimuth_sine_and_sky_view_ray_give_back_the_angle_to_the_sun() {
 }
 
 #[test]
-fn sky_light_texel_holds_from_dusk_to_the_brightest_scene() {
+fn light_texel_holds_from_dusk_to_the_brightest_scene() {
     let inputs: Vec<_> = (-8..=6).map(|e| [0.2, 1.0, 0.7].map(|c: f32| c * 10f32.powi(e))).collect();
     let vectors: Vec<_> = inputs.iter().map(|v| [v[0], v[1], v[2], 0.0]).collect();
-    for (x, v) in vectors.iter().zip(gpu("return sky_light_texel(x.xyz);", &vectors)) {
+    for (x, v) in vectors.iter().zip(gpu("return light_texel(x.xyz);", &vectors)) {
         let half = v.map(|c| half::f16::from_f32(c).to_f32());
         for c in 0..3 {
             close(&format!("{x:?}"), half[c] * half[3], f64::from(x[c]), 1e-3 * f64::from(x[c]));
         }
     }
-    assert_eq!(gpu("return sky_light_texel(vec3f(0.0));", &[[0.0; 4]])[0][..3], [0.0; 3]);
+    assert_eq!(gpu("return light_texel(vec3f(0.0));", &[[0.0; 4]])[0][..3], [0.0; 3]);
 }
 
 #[test]

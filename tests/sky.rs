@@ -1,6 +1,6 @@
 //! The sky's tables and pictures: against f64, closed forms, and what everybody knows
 //! of the sky. Also the twins of those functions of `shaders/lib/atmosphere.wgsl` that
-//! read tables: `sun_irradiance_at`, `sky_light`, `aerial_perspective` directly;
+//! read tables: `sun_irradiance_at`, `light_of_sky`, `aerial_perspective` directly;
 //! `multiple_light`, `ground_irradiance`, `air_source`, `air_light` and `sky_radiance`
 //! through the pictures that are made of nothing else.
 
@@ -55,8 +55,8 @@ fn draw(sky: &mut Sky, scene: &Scene, camera: &Camera, size: [u32; 2]) -> (Pictu
     let camera = CameraUniform::new(camera, scene.ground.altitude, size);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let redone =
-        sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &SkySettings::new(scene), &camera, None);
-    sky.draw(&mut encoder, &target.create_view(&Default::default()), None);
+        sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &SkySettings::new(scene, scene.sun.to_sun()), &camera, None);
+    sky.draw(&gpu.device, &mut encoder, &target.create_view(&Default::default()), FORMAT, None);
     gpu.queue.submit([encoder.finish()]);
     (Picture { width: size[0], pixels: texels(&target) }, redone)
 }
@@ -68,7 +68,7 @@ fn texels(texture: &wgpu::Texture) -> Vec<[f32; 4]> {
 }
 
 fn new_sky() -> Sky {
-    Sky::new(&gpu().device, FORMAT)
+    Sky::new(&gpu().device)
 }
 
 /// Evaluates WGSL that sees the uniform `sky`, the tables and the input `x`.
@@ -95,7 +95,7 @@ fn with_tables(sky: &Sky, body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     let group = program.bind(
         &gpu.device,
         &[
-            Some(sky.uniform().as_entire_binding()),
+            Some(sky.atmosphere().as_entire_binding()),
             Some(wgpu::BindingResource::TextureView(sky.transmittance())),
             Some(wgpu::BindingResource::TextureView(sky.sky_light())),
             Some(wgpu::BindingResource::TextureView(sky.aerial())),
@@ -201,6 +201,8 @@ fn panorama_ray(altitude: f64, elevation_deg: f64, [x, y]: [u32; 2], [width, hei
     Ray::new(GROUND + altitude, elevation.sin(), elevation_deg.to_radians().sin(), azimuth)
 }
 
+/// `tolerance` is what 32 steps, bilinear tables and half floats may differ from hundreds
+/// of steps and no tables; twice what was measured.
 fn compare_panoramas(haze: f64, albedo: Rgb, elevations: &[f64], altitudes: &[f64], tolerance: f64) {
     let air = Air { haze, albedo, ..Air::EARTH };
     let multiple = Multiple::new(&air);
@@ -212,12 +214,14 @@ fn compare_panoramas(haze: f64, albedo: Rgb, elevations: &[f64], altitudes: &[f6
             let mut scene = scene(elevation);
             scene.sky = SceneSky::Atmosphere(Atmosphere { haze, ozone: 1.0 });
             scene.ground.albedo = albedo;
+            // Dusk is too dark for the half floats of the picture.
+            scene.sun.irradiance = [1e3; 3];
             let (picture, _) = draw(&mut sky, &scene, &panorama(altitude), size);
             // Columns 31 and 32 hold the sun; the rows at the horizon are half of each.
             for pixel in [[34, 2], [36, 9], [40, 12], [33, 14], [45, 14], [63, 14], [63, 4], [50, 18], [35, 22], [60, 31]] {
                 let ray = panorama_ray(altitude, elevation, pixel, size);
                 let want = reference::sky_radiance(&air, &multiple, ray);
-                let got = picture.at(pixel[0], pixel[1]);
+                let got = picture.at(pixel[0], pixel[1]).map(|light| 1e-3 * light);
                 let error = relative_error(got, want);
                 worst = worst.max(error);
                 assert!(error < tolerance, "sun {elevation}, {altitude} m, {pixel:?}: {got:?} but {want:?}");
@@ -229,17 +233,17 @@ fn compare_panoramas(haze: f64, albedo: Rgb, elevations: &[f64], altitudes: &[f6
 
 #[test]
 fn clear_skies_agree_with_the_reference() {
-    compare_panoramas(1.0, [0.1, 0.2, 0.3], &[60.0, 20.0, 4.0], &[2.0, 3e3], 0.04);
+    compare_panoramas(1.0, [0.1, 0.2, 0.3], &[60.0, 20.0, 4.0], &[2.0, 3e3], 0.03);
 }
 
 #[test]
 fn dusk_agrees_with_the_reference() {
-    compare_panoramas(1.0, [0.0; 3], &[-3.0], &[2.0], 0.15);
+    compare_panoramas(1.0, [0.0; 3], &[-3.0], &[2.0], 0.03);
 }
 
 #[test]
 fn hazy_skies_agree_with_the_reference() {
-    compare_panoramas(8.0, [0.1; 3], &[35.0], &[2.0], 0.06);
+    compare_panoramas(8.0, [0.1; 3], &[35.0], &[2.0], 0.015);
 }
 
 #[test]
@@ -287,8 +291,9 @@ fn extremes_of_haze_ozone_and_albedo_give_finite_light() {
 
 #[test]
 fn pure_air_over_white_ground_gives_all_light_back() {
-    // Nothing absorbs: what falls in at the top leaves there. Not exact: higher orders
-    // are taken to be even in all directions, and the Earth is round.
+    // Nothing absorbs: what falls in at the top leaves there. Not all of it: the series
+    // of higher orders leaves out light that comes back from the ground once more, which
+    // over snow is a tenth in the blue.
     let mut sky = new_sky();
     let mut scene = scene(80.0);
     scene.sky = SceneSky::Atmosphere(Atmosphere { haze: 0.0, ozone: 0.0 });
@@ -304,23 +309,30 @@ fn pure_air_over_white_ground_gives_all_light_back() {
         }
     }
     let share = up.map(|flux| flux / 80f64.to_radians().sin());
-    assert!(share.iter().all(|s| (0.93..1.03).contains(s)), "{share:?}");
+    assert!(share.iter().all(|s| (0.87..1.01).contains(s)), "{share:?}");
 }
 
 #[test]
-fn the_horizon_of_a_high_camera_has_no_step() {
-    let mut sky = new_sky();
+fn both_sides_of_the_horizon_agree_with_the_reference() {
+    let (mut sky, multiple) = (new_sky(), Multiple::new(&Air::EARTH));
     let altitude = 20e3f64;
     let dip = (GROUND / (GROUND + altitude)).acos();
     let mut camera = panorama(altitude);
     camera.target = camera.position + DVec3::new(dip.cos(), -dip.sin(), 0.0) * 1e3;
     camera.projection = Projection::Perspective { vertical_fov_deg: 2.0 };
-    let (picture, _) = draw(&mut sky, &scene(30.0), &camera, [8, 128]);
-    for rows in (0..127).map(|y| [picture.at(4, y), picture.at(4, y + 1)]) {
-        for c in 0..3 {
-            assert!((rows[0][c] - rows[1][c]).abs() < 0.04 * rows[0][c].max(rows[1][c]), "{rows:?}");
-        }
+    let mut scene = scene(30.0);
+    scene.ground.albedo = [0.0; 3];
+    let (picture, _) = draw(&mut sky, &scene, &camera, [9, 129]);
+    for y in [0, 30, 55, 62, 66, 72, 90, 128] {
+        let elevation = -dip + (0.5 - (f64::from(y) + 0.5) / 129.0) * 2f64.to_radians();
+        let ray = Ray::new(GROUND + altitude, elevation.sin(), 0.5, PI / 2.0);
+        let want = reference::sky_radiance(&Air::EARTH, &multiple, ray);
+        let got = picture.at(4, y);
+        assert!(relative_error(got, want) < 0.03, "row {y}: {got:?} but {want:?}");
     }
+    // Over the middle pixel the picture goes from one side to the other.
+    let [above, on, below] = [63, 64, 65].map(|y| picture.at(4, y)[0]);
+    assert!(below < on && on < above, "{below} {on} {above}");
 }
 
 #[test]
@@ -386,7 +398,7 @@ fn a_uniform_sky_has_exactly_its_radiance_everywhere() {
         assert!(picture.pixels.iter().all(|p| *p == [0.25, 0.5, 2.0, 1.0]));
     }
     for part in 0..3 {
-        let light = with_tables(&sky, "return vec4f(sky_light(light, u32(x.x)), 1.0);", &[[part as f32, 0.0, 0.0, 0.0]]);
+        let light = with_tables(&sky, "return vec4f(light_of_sky(light, u32(x.x)), 1.0);", &[[part as f32, 0.0, 0.0, 0.0]]);
         assert_eq!(light[0], [0.25, 0.5, 2.0, 1.0]);
     }
     assert_eq!(texels(sky.transmittance().texture()), [[1.0; 4]]);
@@ -411,7 +423,7 @@ fn no_sky_is_black_but_for_the_sun() {
         let irradiance: f64 = picture.pixels.iter().map(|p| f64::from(p[c]) * pixel).sum();
         assert!((irradiance - 1.0).abs() < 0.02, "channel {c}: {irradiance}");
     }
-    assert!(picture.at(32, 32)[2] > 1.5 * picture.at(32, 18)[2], "the limb is darker");
+    assert!(picture.at(32, 32)[2] > 1.5 * picture.at(32, 16)[2], "the limb is darker");
     camera.projection = Projection::Orthographic { height: 10.0 };
     let (picture, _) = draw(&mut sky, &scene, &camera, [8, 8]);
     assert!(picture.pixels.iter().all(|p| *p == [0.0, 0.0, 0.0, 1.0]), "parallel rays see no disc");
@@ -434,8 +446,8 @@ fn a_sun_smaller_than_a_pixel_keeps_its_light() {
             let pixel = (2.0 * 15f64.to_radians().tan() / 16.0).powi(2);
             sums.push(picture.pixels.iter().map(|p| f64::from(p[1]) * pixel).sum::<f64>());
         }
-        // A round spot on square pixels: it flickers a little.
-        assert!(sums.iter().all(|sum| (0.6..1.6).contains(sum)), "{diameter}: {sums:?}");
+        // A round spot on square pixels.
+        assert!(sums.iter().all(|sum| (0.85..1.15).contains(sum)), "{diameter}: {sums:?}");
     }
 }
 
@@ -451,7 +463,7 @@ fn sky_light_is_the_mean_of_what_the_clouds_see() {
         draw(&mut sky, &scene, &panorama(2.0), [8, 4]);
         let light = with_tables(
             &sky,
-            "return vec4f(sky_light(light, u32(x.x)), 1.0);",
+            "return vec4f(light_of_sky(light, u32(x.x)), 1.0);",
             &[[0.0; 4], [1.0; 4], [2.0; 4]],
         );
         let mu_sun = elevation.to_radians().sin();
@@ -481,13 +493,13 @@ fn sky_light_is_the_mean_of_what_the_clouds_see() {
 #[test]
 fn light_is_gathered_at_half_the_height_of_the_clouds() {
     let mut scene = scene(30.0);
-    assert_eq!(SkySettings::new(&scene).uniform.light_altitude, 1000.0);
+    assert_eq!(SkySettings::new(&scene, scene.sun.to_sun()).uniform.light_altitude, 1000.0);
     scene.ground.altitude = 200.0;
     scene.clouds.push(nephos::scene::Cloud {
         ellipsoids: vec![Ellipsoid { center: DVec3::new(0.0, 2200.0, 0.0), ..Default::default() }],
         ..Default::default()
     });
-    assert!((SkySettings::new(&scene).uniform.light_altitude - 2000.0).abs() < 1e-3);
+    assert!((SkySettings::new(&scene, scene.sun.to_sun()).uniform.light_altitude - 2000.0).abs() < 1e-3);
 }
 
 #[test]
@@ -510,7 +522,8 @@ fn aerial_perspective_is_nothing_at_no_distance_and_the_reference_farther() {
             let (light, through) = reference::air_light(&air, &multiple, ray, length, 64);
             assert!(relative_error(got, light) < 0.05, "{altitude} {distance}: {got:?} {light:?}");
             let mean = through.iter().sum::<f64>() / 3.0;
-            assert!((f64::from(got[3]) - mean).abs() < 5e-3, "{altitude} {distance}: {} {mean}", got[3]);
+            // A panorama's volume has a texel every 6 degrees.
+            assert!((f64::from(got[3]) - mean).abs() < 1e-2, "{altitude} {distance}: {} {mean}", got[3]);
         }
         let ends = with_tables(&sky, body, &[[0.0, 0.4, 2e4, 0.0], [1.0, 0.4, 2e4, 0.0]]);
         for c in 0..4 {
@@ -524,7 +537,7 @@ fn settings_take_all_of_the_scene() {
     let mut scene = scene(90.0);
     scene.sky = SceneSky::Atmosphere(Atmosphere { haze: 3.0, ozone: 2.0 });
     scene.ground.albedo = [0.1, 0.2, 0.3];
-    let settings = SkySettings::new(&scene);
+    let settings = SkySettings::new(&scene, scene.sun.to_sun());
     let earth = AtmosphereUniform::earth(1.0, 1.0, Vec3::ZERO, 0.0);
     assert!(settings.atmosphere);
     assert_eq!(settings.uniform.atmosphere.mie_extinction, 3.0 * earth.mie_extinction);

@@ -2,7 +2,7 @@
 // @use air
 //
 // H and B are cited in `air`. All tables are per unit of the sun's irradiance above the
-// atmosphere but `sky_light`, which has the scene's units.
+// atmosphere but that of the light on clouds, which has the scene's units.
 
 // What the sky depends on beside the camera.
 struct Sky {
@@ -222,7 +222,7 @@ fn sky_view_ray(altitude: f32, mu: f32, sine: f32, mu_sun: f32) -> AirRay {
 
 // ---- X -----------------------------------------------------------------
 
-// Texels of the table that `sky_light` reads.
+// Texels of the table that `light_of_sky` reads.
 const LIGHT_ABOVE: u32 = 0u;
 const LIGHT_HORIZON: u32 = 1u;
 const LIGHT_GROUND: u32 = 2u;
@@ -230,13 +230,13 @@ const LIGHT_GROUND: u32 = 2u;
 // Mean radiance, in the scene's units, of the upper hemisphere (weighted with the
 // cosine), of a belt along the horizon, or of the ground. The texel's alpha is a common
 // exponent, because half floats do not reach from dusk to noon.
-fn sky_light(light: texture_2d<f32>, part: u32) -> vec3f {
+fn light_of_sky(light: texture_2d<f32>, part: u32) -> vec3f {
     let texel = textureLoad(light, vec2u(part, 0u), 0);
     return texel.rgb * texel.a;
 }
 
-// How `radiance` is stored for `sky_light`.
-fn sky_light_texel(radiance: vec3f) -> vec4f {
+// How `radiance` is stored for `light_of_sky`.
+fn light_texel(radiance: vec3f) -> vec4f {
     let most = max(max(radiance.r, radiance.g), radiance.b);
     let exponent = exp2(clamp(floor(log2(max(most, 1e-10))), -14.0, 15.0));
     return vec4f(radiance / exponent, exponent);

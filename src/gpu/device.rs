@@ -107,9 +107,11 @@ impl Gpu {
             return fail(error.to_string());
         }
         if self.lost.load(Ordering::Acquire) {
-            return fail("the device was lost; start again, and if it happens again lower the \
+            return fail(
+                "the device was lost; start again, and if it happens again lower the \
                          picture size or the quality"
-                .to_owned());
+                    .to_owned(),
+            );
         }
         match self.complaint.lock().ok().and_then(|mut slot| slot.take()) {
             Some(reason) => fail(reason),
@@ -144,15 +146,14 @@ fn choose(mut adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::
         return Err(Error::Adapter(no_adapter()));
     }
     let wanted = name.unwrap_or_default().to_lowercase();
-    adapters
-        .into_iter()
-        .find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted))
-        .ok_or_else(|| {
+    adapters.into_iter().find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted)).ok_or_else(
+        || {
             Error::Adapter(format!(
                 "no adapter's name contains `{wanted}`; this machine has: {}.",
                 names.join(", ")
             ))
-        })
+        },
+    )
 }
 
 fn no_adapter() -> String {

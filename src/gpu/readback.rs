@@ -71,10 +71,7 @@ fn map(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>> {
     });
     gpu.finish("reading back")?;
     let failed = |reason: String| Error::Gpu { doing: "reading back".to_owned(), reason };
-    receiver
-        .recv()
-        .map_err(|error| failed(error.to_string()))?
-        .map_err(|error| failed(error.to_string()))?;
+    receiver.recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
     let view = slice.get_mapped_range().map_err(|error| failed(error.to_string()))?;
     Ok(view.to_vec())
 }

@@ -13,12 +13,13 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "camera", "constants",
+    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "phase", "random", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "ground_light", "multiple_scattering", "sky", "sky_light", "sky_view", "transmittance",
+    "aerial", "clouds", "compose", "ground_light", "mips", "multiple_scattering", "sky", "sky_light", "sky_view",
+    "sky_volume", "sun_maps", "sun_normals", "transmittance",
 );
 
 /// The whole source of an entry point, or of any text with `// @use` lines.
@@ -34,7 +35,9 @@ pub fn link(source: &str) -> String {
 }
 
 fn append<'a>(source: &'a str, done: &mut Vec<&'a str>, linked: &mut String) {
-    for name in source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace) {
+    for name in
+        source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace)
+    {
         if !done.contains(&name) {
             done.push(name);
             append(module(name), done, linked);
@@ -106,7 +109,10 @@ impl ComputeProgram {
             layout: None,
             module,
             entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: overrides,
+                ..Default::default()
+            },
             cache: None,
         });
         Self { pipeline, name }
@@ -114,7 +120,11 @@ impl ComputeProgram {
 
     /// A bind group for this program's group 0: entry `i` goes to binding `i`.
     /// Bindings that the shader does not use are left out with `None`.
-    pub fn bind(&self, device: &wgpu::Device, resources: &[Option<wgpu::BindingResource<'_>>]) -> wgpu::BindGroup {
+    pub fn bind(
+        &self,
+        device: &wgpu::Device,
+        resources: &[Option<wgpu::BindingResource<'_>>],
+    ) -> wgpu::BindGroup {
         bind_group(device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
     }
 

@@ -1,6 +1,8 @@
 //! The camera as the shaders see it.
 
-use glam::{DQuat, DVec3, Vec3};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 use crate::scene::{Camera, Projection};
 
@@ -20,24 +22,31 @@ pub struct CameraUniform {
 }
 
 impl CameraUniform {
+    pub(crate) const PERSPECTIVE: u32 = 0;
+    pub(crate) const ORTHOGRAPHIC: u32 = 1;
+    pub(crate) const EQUIRECTANGULAR: u32 = 2;
+
     /// The camera for a picture of `width` by `height` pixels, over ground at
     /// `ground` metres.
     pub fn new(camera: &Camera, ground: f64, [width, height]: [u32; 2]) -> Self {
         let aspect = f64::from(width) / f64::from(height);
-        let (right, up, forward) = axes(camera);
+        let world_from_camera = camera.world_from_camera();
+        let [right, up, forward] = [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| world_from_camera * axis);
         let (half, projection, pixel) = match camera.projection {
             Projection::Perspective { vertical_fov_deg } => {
                 let y = (0.5 * vertical_fov_deg.to_radians()).tan();
-                ([y * aspect, y], 0, 2.0 * y / f64::from(height))
+                ([y * aspect, y], Self::PERSPECTIVE, 2.0 * y / f64::from(height))
             }
             Projection::Lens { focal_length_mm, sensor_width_mm } => {
                 let x = 0.5 * sensor_width_mm / focal_length_mm;
-                ([x, x / aspect], 0, 2.0 * x / f64::from(width))
+                ([x, x / aspect], Self::PERSPECTIVE, 2.0 * x / f64::from(width))
             }
             Projection::Orthographic { height: metres } => {
-                ([0.5 * metres * aspect, 0.5 * metres], 1, metres / f64::from(height))
+                ([0.5 * metres * aspect, 0.5 * metres], Self::ORTHOGRAPHIC, metres / f64::from(height))
             }
-            Projection::Equirectangular => ([1.0, 1.0], 2, std::f64::consts::PI / f64::from(height)),
+            Projection::Equirectangular => {
+                ([1.0, 1.0], Self::EQUIRECTANGULAR, std::f64::consts::PI / f64::from(height))
+            }
         };
         Self {
             right: (right * half[0]).as_vec3(),
@@ -51,13 +60,27 @@ impl CameraUniform {
             padding: 0.0,
         }
     }
-}
 
-/// Right, up and forward unit vectors; a camera that looks straight up or down
-/// has north (-Z) at the bottom or top of its picture.
-fn axes(camera: &Camera) -> (DVec3, DVec3, DVec3) {
-    let forward = (camera.target - camera.position).try_normalize().unwrap_or(DVec3::NEG_Z);
-    let level = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
-    let right = DQuat::from_axis_angle(forward, camera.roll_deg.to_radians()) * level;
-    (right, right.cross(forward), forward)
+    pub(crate) fn jittered(mut self, on: bool) -> Self {
+        self.jitter = f32::from(u8::from(on));
+        self
+    }
+
+    /// Origin, relative to the camera's position, and direction of the ray through a
+    /// place on the picture, (0, 0) at the top left and (1, 1) at the bottom right:
+    /// `camera_ray` of the shader.
+    pub(crate) fn ray(&self, uv: Vec2) -> (Vec3A, Vec3A) {
+        let ndc = Vec2::new(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
+        let across = ndc.x * self.right + ndc.y * self.up;
+        let (origin, direction) = match self.projection {
+            Self::ORTHOGRAPHIC => (across, self.forward),
+            Self::EQUIRECTANGULAR => {
+                let (azimuth, elevation) = (ndc.x * PI, ndc.y * FRAC_PI_2);
+                let level = azimuth.sin() * self.right + azimuth.cos() * self.forward;
+                (Vec3::ZERO, elevation.cos() * level + elevation.sin() * self.up)
+            }
+            _ => (Vec3::ZERO, (self.forward + across).normalize()),
+        };
+        (origin.into(), direction.into())
+    }
 }

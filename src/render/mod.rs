@@ -1,7 +1,22 @@
 //! The real-time renderer: one file a pass, with the same stem as its shader.
 
 mod camera;
+mod clouds;
+mod compose;
+mod ellipsoids;
+mod frame;
+mod light;
+mod noise;
+mod optics;
+mod quality;
+mod renderer;
 mod sky;
+mod stats;
+mod tiles;
 
 pub use camera::CameraUniform;
+pub use frame::Frame;
+pub use quality::Quality;
+pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
 pub use sky::{AtmosphereUniform, Redone, Sky, SkySettings, SkyUniform};
+pub use stats::Counts;

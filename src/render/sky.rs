@@ -14,7 +14,7 @@
 //! A sky without an atmosphere has no tables; then single texels stand in for them, so
 //! that other passes can bind the same things.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use half::f16;
 use wgpu::{TextureFormat, TextureUsages, TextureView};
 
@@ -36,8 +36,6 @@ const AERIAL: [u32; 3] = [32, 32, 32];
 const LIGHT_ALTITUDE: f64 = 1000.0;
 /// Reach of the aerial volume, metres.
 const AERIAL_REACH: f32 = 60e3;
-/// Projection of a camera whose rays are all parallel, as in `shaders/lib/camera.wgsl`.
-const ORTHOGRAPHIC: u32 = 1;
 
 /// `Atmosphere` of `shaders/lib/air.wgsl`, which has the units.
 #[repr(C)]
@@ -108,9 +106,9 @@ pub struct SkySettings {
 }
 
 impl SkySettings {
-    /// The sky of a validated scene. The light that falls on clouds is that at half
-    /// their height.
-    pub fn new(scene: &Scene) -> Self {
+    /// The sky of a validated scene with the sun in direction `to_sun`. The light that
+    /// falls on clouds is that at half their height.
+    pub fn new(scene: &Scene, to_sun: DVec3) -> Self {
         let sun_radius = (0.5 * scene.sun.angular_diameter_deg.to_radians()) as f32;
         let (air, radiance) = match &scene.sky {
             scene::Sky::Atmosphere(air) => (Some(air.clone()), [0.0; 3]),
@@ -129,7 +127,7 @@ impl SkySettings {
                     vec3(scene.ground.albedo),
                     sun_radius,
                 ),
-                to_sun: scene.sun.to_sun().as_vec3(),
+                to_sun: to_sun.as_vec3(),
                 light_altitude: middle.unwrap_or(LIGHT_ALTITUDE).max(0.0) as f32,
                 irradiance: vec3(scene.sun.irradiance),
                 aerial_reach: AERIAL_REACH,
@@ -155,6 +153,14 @@ pub struct Redone {
     pub sky_light: bool,
     /// The air between the camera and the clouds.
     pub aerial: bool,
+}
+
+impl Redone {
+    /// How many tables that were.
+    pub fn count(self) -> u32 {
+        3 * u32::from(self.atmosphere)
+            + [self.sky_view, self.sky_light, self.aerial].map(u32::from).iter().sum::<u32>()
+    }
 }
 
 /// One table's program and what it reads and writes.
@@ -257,9 +263,10 @@ impl Tables {
     }
 }
 
-/// The background's pipeline, of one kind of sky.
+/// The background's pipeline, of one kind of sky, into one kind of target.
 struct Background {
     kind: BackgroundKind,
+    format: TextureFormat,
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
 }
@@ -273,7 +280,6 @@ struct BackgroundKind {
 
 /// The sky pass. Call [`Sky::prepare`] and then bind its tables or [`Sky::draw`].
 pub struct Sky {
-    target_format: TextureFormat,
     sky_uniform: wgpu::Buffer,
     camera_uniform: wgpu::Buffer,
     sampler: wgpu::Sampler,
@@ -285,7 +291,7 @@ pub struct Sky {
     no_air: TextureView,
     tables: Option<Tables>,
     backgrounds: Vec<Background>,
-    /// The background that fits what was last prepared.
+    /// The kind of background that was last prepared.
     current: BackgroundKind,
     /// What the tables hold.
     made: Option<Made>,
@@ -330,8 +336,8 @@ impl Made {
 }
 
 impl Sky {
-    /// A sky that draws into targets of `target_format`.
-    pub fn new(device: &wgpu::Device, target_format: TextureFormat) -> Self {
+    /// A sky without tables yet.
+    pub fn new(device: &wgpu::Device) -> Self {
         let zeroed = |label, size| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -344,7 +350,6 @@ impl Sky {
         let white_texture = table(device, "no absorption", [1, 1, 0]);
         let no_air_texture = table(device, "no air", [1, 1, 1]);
         Self {
-            target_format,
             sky_uniform: zeroed("sky", size_of::<SkyUniform>() as u64),
             camera_uniform: zeroed("sky camera", size_of::<CameraUniform>() as u64),
             sampler: gpu::linear_clamp(device),
@@ -398,9 +403,8 @@ impl Sky {
         let sunlit = settings.uniform.irradiance != Vec3::ZERO;
         self.current = BackgroundKind {
             atmosphere: settings.atmosphere,
-            sun_disc: sunlit && camera.projection != ORTHOGRAPHIC,
+            sun_disc: sunlit && camera.projection != CameraUniform::ORTHOGRAPHIC,
         };
-        self.add_background(device);
         self.made = Some(wanted);
         redo
     }
@@ -409,16 +413,27 @@ impl Sky {
     fn write_plain(&self, queue: &wgpu::Queue, radiance: Vec3) {
         write_texels(queue, &self.white_texture, &[[1.0; 4]]);
         write_texels(queue, &self.no_air_texture, &[[0.0, 0.0, 0.0, 1.0]]);
-        write_texels(queue, &self.sky_light_texture, &[sky_light_texel(radiance); 3]);
+        write_texels(queue, &self.sky_light_texture, &[light_texel(radiance); 3]);
     }
 
-    /// Compiles the background that is wanted now, unless it was wanted before.
-    fn add_background(&mut self, device: &wgpu::Device) {
+    /// The background that is wanted now, compiled unless it was wanted before.
+    fn background(&mut self, device: &wgpu::Device, format: TextureFormat) -> &Background {
         let kind = self.current;
-        if self.backgrounds.iter().any(|background| background.kind == kind) {
-            return;
-        }
-        let pipeline = background_pipeline(device, self.target_format, kind);
+        let known = self.backgrounds.iter().position(|known| known.kind == kind && known.format == format);
+        let index = known.unwrap_or_else(|| {
+            self.backgrounds.push(self.compile_background(device, format, kind));
+            self.backgrounds.len() - 1
+        });
+        &self.backgrounds[index]
+    }
+
+    fn compile_background(
+        &self,
+        device: &wgpu::Device,
+        format: TextureFormat,
+        kind: BackgroundKind,
+    ) -> Background {
+        let pipeline = background_pipeline(device, format, kind);
         let sky_view = self.tables.as_ref().filter(|_| kind.atmosphere).map(|tables| &tables.sky_view);
         let resources = [
             self.sky_uniform.as_entire_binding(),
@@ -428,15 +443,19 @@ impl Sky {
             wgpu::BindingResource::Sampler(&self.sampler),
         ];
         let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
-        self.backgrounds.push(Background { kind, pipeline, group });
+        Background { kind, format, pipeline, group }
     }
 
     /// Draws what was last prepared over the whole of `target`, with alpha 1.
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, target: &TextureView, timing: Option<&Timing>) {
-        let Some(background) = self.backgrounds.iter().find(|background| background.kind == self.current)
-        else {
-            return;
-        };
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &TextureView,
+        format: TextureFormat,
+        timing: Option<&Timing>,
+    ) {
+        let background = self.background(device, format);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sky"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -456,9 +475,30 @@ impl Sky {
         pass.draw(0..3, 0..1);
     }
 
-    /// `Sky` of `shaders/lib/atmosphere.wgsl` as it was last prepared.
-    pub fn uniform(&self) -> &wgpu::Buffer {
+    /// `Sky` of `shaders/lib/atmosphere.wgsl` as it was last prepared. It begins with
+    /// its `Atmosphere`, and can be bound as one.
+    pub fn atmosphere(&self) -> &wgpu::Buffer {
         &self.sky_uniform
+    }
+
+    /// Whether there is an atmosphere. Where there is none, a shader need not read the
+    /// transmittance and the air.
+    pub fn has_atmosphere(&self) -> bool {
+        self.current.atmosphere
+    }
+
+    /// Whether any light falls on the clouds from sky and ground.
+    pub fn lights(&self) -> bool {
+        self.made.is_some_and(|made| {
+            let sky = &made.settings.uniform;
+            let light = if made.settings.atmosphere { sky.irradiance } else { sky.radiance };
+            light != Vec3::ZERO
+        })
+    }
+
+    /// Distance at which the aerial volume ends, metres: `aerial_perspective` needs it.
+    pub fn aerial_range(&self) -> f32 {
+        self.made.map_or(AERIAL_REACH, |made| made.settings.uniform.aerial_reach)
     }
 
     /// Transmittance to the top of the atmosphere, for `sun_irradiance_at`. A white
@@ -467,7 +507,7 @@ impl Sky {
         self.active().map_or(&self.white, |tables| &tables.transmittance)
     }
 
-    /// What falls on the clouds, for the shader function `sky_light`, in the scene's
+    /// What falls on the clouds, for the shader function `light_of_sky`, in the scene's
     /// units. Always the same texture.
     pub fn sky_light(&self) -> &TextureView {
         &self.sky_light
@@ -500,8 +540,8 @@ fn view(texture: &wgpu::Texture) -> TextureView {
     texture.create_view(&Default::default())
 }
 
-/// `sky_light_texel` of `shaders/lib/atmosphere.wgsl`.
-fn sky_light_texel(radiance: Vec3) -> [f32; 4] {
+/// `light_texel` of `shaders/lib/atmosphere.wgsl`.
+fn light_texel(radiance: Vec3) -> [f32; 4] {
     let exponent = radiance.max_element().max(1e-10).log2().floor().clamp(-14.0, 15.0).exp2();
     (radiance / exponent).extend(exponent).to_array()
 }

@@ -16,12 +16,16 @@ const HEIGHT: Limits = Limits::new(0.01, 1e7, "metres");
 
 /// Height of the eye above the ground where a scene has no camera, metres.
 const EYE_HEIGHT: f64 = 1.7;
-/// Vertical field of view where a scene has no camera, degrees.
+/// Greatest vertical field of view where a scene has no camera, degrees.
 const FRAME_FIELD_OF_VIEW: f64 = 40.0;
+/// Tangent of half of that.
+const FRAME_HALF_HEIGHT: f64 = 0.363_970_234_266_202_36;
+/// Tangent of the greatest elevation of a cloud where a scene has no camera: 20 degrees.
+const FRAME_SLOPE: f64 = FRAME_HALF_HEIGHT;
 /// Aspect, width over height, of the picture into which all clouds must fit.
 const FRAME_ASPECT: f64 = 16.0 / 9.0;
 /// Share of the picture that the clouds may fill, so that they keep off its rim.
-const FRAME_FILL: f64 = 0.85;
+const FRAME_FILL: f64 = 0.8;
 
 /// Where the picture is taken from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -81,9 +85,7 @@ fn full_frame_width() -> f64 {
 
 impl Default for Projection {
     fn default() -> Self {
-        Self::Perspective {
-            vertical_fov_deg: FRAME_FIELD_OF_VIEW,
-        }
+        Self::Perspective { vertical_fov_deg: FRAME_FIELD_OF_VIEW }
     }
 }
 
@@ -93,10 +95,9 @@ impl Projection {
     pub fn vertical_fov(&self, aspect: f64) -> Option<f64> {
         match *self {
             Self::Perspective { vertical_fov_deg } => Some(vertical_fov_deg.to_radians()),
-            Self::Lens {
-                focal_length_mm,
-                sensor_width_mm,
-            } => Some(2.0 * (0.5 * sensor_width_mm / (aspect * focal_length_mm)).atan()),
+            Self::Lens { focal_length_mm, sensor_width_mm } => {
+                Some(2.0 * (0.5 * sensor_width_mm / (aspect * focal_length_mm)).atan())
+            }
             Self::Orthographic { .. } | Self::Equirectangular => None,
         }
     }
@@ -105,16 +106,11 @@ impl Projection {
         match *self {
             Self::Perspective { vertical_fov_deg } => {
                 let at = at.field("perspective");
-                at.field("vertical_fov_deg")
-                    .number(vertical_fov_deg, FIELD_OF_VIEW)
+                at.field("vertical_fov_deg").number(vertical_fov_deg, FIELD_OF_VIEW)
             }
-            Self::Lens {
-                focal_length_mm,
-                sensor_width_mm,
-            } => {
+            Self::Lens { focal_length_mm, sensor_width_mm } => {
                 let at = at.field("lens");
-                at.field("focal_length_mm")
-                    .number(focal_length_mm, FOCAL_LENGTH)?;
+                at.field("focal_length_mm").number(focal_length_mm, FOCAL_LENGTH)?;
                 at.field("sensor_width_mm").number(sensor_width_mm, SENSOR)
             }
             Self::Orthographic { height } => {
@@ -166,45 +162,42 @@ impl Camera {
     }
 
     /// A camera on the ground (at `ground` metres) to the south of `bounds`, looking
-    /// north, from where all of them and the horizon fit into a 16:9 picture with a margin.
+    /// north, that fills a 16:9 picture with them up to a margin.
+    ///
+    /// It stands so far away that they fit into 40 degrees and rise no higher than 20
+    /// degrees: seen from nearer, clouds show their dark bases. Small clouds high up
+    /// are then drawn near by a longer lens.
     pub fn framing(bounds: Bounds, ground: f64) -> Self {
         let (min, max) = bounds;
-        let eye = |distance: f64| {
-            DVec3::new(0.5 * (min.x + max.x), ground + EYE_HEIGHT, max.z + distance)
-        };
+        let eye = DVec3::new(0.5 * (min.x + max.x), ground + EYE_HEIGHT, max.z);
         let view = |distance: f64| {
-            let position = eye(distance);
+            let position = eye + DVec3::Z * distance;
             Self::standing_at(position, middle_slope(bounds, position))
         };
-        // Doubling finds a distance that is far enough, halving the nearest such one.
-        let size = (max - min).max_element();
-        let mut far = size.max(1.0);
-        while !view(far).holds(bounds) && far < COORDINATE.max {
-            far *= 2.0;
+        let mut distance = ((max.y - eye.y) / FRAME_SLOPE).max(1.0);
+        while view(distance).half_height_of(bounds) > FRAME_HALF_HEIGHT && distance < COORDINATE.max {
+            distance *= 1.1;
         }
-        let mut near = 0.0;
-        for _ in 0..30 {
-            let middle = 0.5 * (near + far);
-            if view(middle).holds(bounds) {
-                far = middle;
-            } else {
-                near = middle;
-            }
-        }
-        view(far)
+        let mut camera = view(distance);
+        let half_height = camera.half_height_of(bounds).min(FRAME_HALF_HEIGHT);
+        camera.projection = Projection::Perspective {
+            vertical_fov_deg: (2.0 * half_height.atan().to_degrees()).max(FIELD_OF_VIEW.min),
+        };
+        camera
     }
 
-    /// Whether all corners of `bounds` lie in the margins of a 16:9 picture.
-    fn holds(&self, bounds: Bounds) -> bool {
-        let half_height = FRAME_FILL * (0.5 * FRAME_FIELD_OF_VIEW.to_radians()).tan();
+    /// Tangent of half the vertical field of view that holds `bounds` in a 16:9
+    /// picture with a margin; infinite where they reach behind the camera.
+    fn half_height_of(&self, bounds: Bounds) -> f64 {
         let camera_from_world = self.world_from_camera().inverse();
-        corners(bounds).into_iter().all(|corner| {
+        let tangents = corners(bounds).map(|corner| {
             let p = camera_from_world * (corner - self.position);
-            let depth = -p.z;
-            depth > 0.0
-                && p.x.abs() <= FRAME_ASPECT * half_height * depth
-                && p.y.abs() <= half_height * depth
-        })
+            match -p.z {
+                depth if depth > 0.0 => p.y.abs().max(p.x.abs() / FRAME_ASPECT) / depth,
+                _ => f64::INFINITY,
+            }
+        });
+        tangents.into_iter().fold(0.0, f64::max) / FRAME_FILL
     }
 
     pub(super) fn check(&self, at: At) -> Result<()> {
@@ -222,11 +215,11 @@ impl Camera {
 }
 
 /// Tangent of the elevation half way between the lowest and the highest direction in
-/// which `eye` sees `bounds` and the horizon.
+/// which `eye` sees `bounds`.
 fn middle_slope(bounds: Bounds, eye: DVec3) -> f64 {
     let elevations = corners(bounds).map(|p| (p.y - eye.y).atan2(eye.z - p.z));
-    let lowest = elevations.into_iter().fold(0.0, f64::min);
-    let highest = elevations.into_iter().fold(0.0, f64::max);
+    let lowest = elevations.into_iter().fold(f64::INFINITY, f64::min);
+    let highest = elevations.into_iter().fold(f64::NEG_INFINITY, f64::max);
     (0.5 * (lowest + highest)).tan()
 }
 

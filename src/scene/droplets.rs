@@ -53,12 +53,7 @@ pub enum Phase {
 
 impl Default for Droplets {
     fn default() -> Self {
-        Self {
-            concentration_per_cm3: 400.0,
-            effective_radius_um: 6.0,
-            phase: Phase::default(),
-            albedo: 1.0,
-        }
+        Self { concentration_per_cm3: 400.0, effective_radius_um: 6.0, phase: Phase::default(), albedo: 1.0 }
     }
 }
 
@@ -75,10 +70,8 @@ impl Droplets {
     }
 
     pub(super) fn check(&self, at: At) -> Result<()> {
-        at.field("concentration_per_cm3")
-            .number(self.concentration_per_cm3, CONCENTRATION)?;
-        at.field("effective_radius_um")
-            .number(self.effective_radius_um, EFFECTIVE_RADIUS)?;
+        at.field("concentration_per_cm3").number(self.concentration_per_cm3, CONCENTRATION)?;
+        at.field("effective_radius_um").number(self.effective_radius_um, EFFECTIVE_RADIUS)?;
         if let Phase::HenyeyGreenstein { g } = self.phase {
             let phase = at.field("phase");
             let lobe = phase.field("henyey_greenstein");

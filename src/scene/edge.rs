@@ -24,10 +24,7 @@ pub struct Edge {
 
 impl Default for Edge {
     fn default() -> Self {
-        Self {
-            boundary: 60.0,
-            wispiness: 0.25,
-        }
+        Self { boundary: 60.0, wispiness: 0.25 }
     }
 }
 

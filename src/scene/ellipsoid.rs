@@ -54,14 +54,7 @@ impl Ellipsoid {
     /// An unrotated ellipsoid of full density around `center` with half axes
     /// `radii`, both in metres, and the edge of its cloud.
     pub fn new(center: DVec3, radii: DVec3) -> Self {
-        Self {
-            name: None,
-            center,
-            radii,
-            orientation: DQuat::IDENTITY,
-            density: full_density(),
-            edge: None,
-        }
+        Self { name: None, center, radii, orientation: DQuat::IDENTITY, density: full_density(), edge: None }
     }
 
     /// Exact axis-aligned bounds, metres.
@@ -70,11 +63,7 @@ impl Ellipsoid {
     /// being its rotation matrix. Noise only removes density: it never reaches beyond.
     pub fn bounds(&self) -> Bounds {
         let axes = DMat3::from_quat(self.orientation) * DMat3::from_diagonal(self.radii);
-        let half = DVec3::new(
-            axes.row(0).length(),
-            axes.row(1).length(),
-            axes.row(2).length(),
-        );
+        let half = DVec3::new(axes.row(0).length(), axes.row(1).length(), axes.row(2).length());
         (self.center - half, self.center + half)
     }
 

@@ -7,7 +7,10 @@ mod cloud;
 mod droplets;
 mod edge;
 mod ellipsoid;
+mod explain;
+mod file;
 mod noise;
+mod presets;
 mod sky;
 mod sun;
 mod validate;
@@ -22,7 +25,9 @@ pub use cloud::Cloud;
 pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
+pub use file::schema;
 pub use noise::Noise;
+pub use presets::Preset;
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use wind::Wind;
@@ -71,7 +76,7 @@ pub struct Scene {
     #[schemars(range(min = TIME.min, max = TIME.max))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
-    /// south, from where all clouds (as they are at time 0) fit into the picture.
+    /// south, filled with all clouds as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
@@ -150,9 +155,7 @@ impl Scene {
     fn check_clouds(&self, at: At) -> Result<()> {
         let clouds = self.clouds.len();
         if clouds > MAX_CLOUDS {
-            return Err(at.problem(format!(
-                "{clouds} clouds are too many: expected at most {MAX_CLOUDS}"
-            )));
+            return Err(at.problem(format!("{clouds} clouds are too many: expected at most {MAX_CLOUDS}")));
         }
         let ellipsoids: usize = self.clouds.iter().map(|cloud| cloud.ellipsoids.len()).sum();
         if ellipsoids > MAX_ELLIPSOIDS {

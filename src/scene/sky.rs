@@ -19,7 +19,7 @@ pub enum Sky {
     Atmosphere(Atmosphere),
     /// The same light from every direction above and below the horizon.
     Uniform {
-        /// Linear RGB radiance, 0 to 1000000, in units of the sun's irradiance per steradian.
+        /// Linear RGB radiance, each 0 to 1000000, in the unit of the sun's irradiance per steradian.
         #[schemars(inner(range(min = RADIANCE.min, max = RADIANCE.max)))]
         radiance: [f64; 3],
     },
@@ -61,10 +61,7 @@ impl Default for Sky {
 
 impl Default for Atmosphere {
     fn default() -> Self {
-        Self {
-            haze: 1.0,
-            ozone: 1.0,
-        }
+        Self { haze: 1.0, ozone: 1.0 }
     }
 }
 
@@ -72,10 +69,7 @@ impl Default for Ground {
     /// Land without snow. The mean is the average ground reflectance 0.1 of Bruneton
     /// and Neyret (2008); its warm tint, soil between grass, is a matter of taste.
     fn default() -> Self {
-        Self {
-            albedo: [0.12, 0.11, 0.07],
-            altitude: 0.0,
-        }
+        Self { albedo: [0.12, 0.11, 0.07], altitude: 0.0 }
     }
 }
 

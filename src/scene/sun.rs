@@ -46,10 +46,7 @@ pub enum SunPosition {
         elevation_deg: f64,
     },
     /// A vector [x, y, z] towards the sun, of any length but zero: x east, y up, z south.
-    Direction(
-        #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
-        DVec3,
-    ),
+    Direction(#[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))] DVec3),
     /// By place and time on Earth.
     Place {
         /// Degrees north of the equator, -90 to 90.
@@ -66,11 +63,7 @@ pub enum SunPosition {
 
 impl Default for Sun {
     fn default() -> Self {
-        Self {
-            position: SunPosition::default(),
-            irradiance: [1.0; 3],
-            angular_diameter_deg: 0.53,
-        }
+        Self { position: SunPosition::default(), irradiance: [1.0; 3], angular_diameter_deg: 0.53 }
     }
 }
 
@@ -78,10 +71,7 @@ impl Default for SunPosition {
     /// In the south-west, half way up: for a camera that looks north it stands
     /// behind the left shoulder and models the clouds from the side.
     fn default() -> Self {
-        Self::Angles {
-            azimuth_deg: 225.0,
-            elevation_deg: 45.0,
-        }
+        Self::Angles { azimuth_deg: 225.0, elevation_deg: 45.0 }
     }
 }
 
@@ -91,17 +81,13 @@ impl Sun {
     /// # Panics
     /// Where the position would not pass [`Scene::validate`](super::Scene::validate).
     pub fn to_sun(&self) -> DVec3 {
-        self.position
-            .to_sun()
-            .expect("a validated scene has a position of the sun")
+        self.position.to_sun().expect("a validated scene has a position of the sun")
     }
 
     pub(super) fn check(&self, at: At) -> Result<()> {
         self.position.check(at.field("position"))?;
-        at.field("irradiance")
-            .numbers(&self.irradiance, IRRADIANCE)?;
-        at.field("angular_diameter_deg")
-            .number(self.angular_diameter_deg, DIAMETER)
+        at.field("irradiance").numbers(&self.irradiance, IRRADIANCE)?;
+        at.field("angular_diameter_deg").number(self.angular_diameter_deg, DIAMETER)
     }
 }
 
@@ -121,44 +107,26 @@ impl SunPosition {
         let at = sun.field("position");
         self.check(at)?;
         match self {
-            Self::Angles {
-                azimuth_deg,
-                elevation_deg,
-            } => Ok(from_angles(*azimuth_deg, *elevation_deg)),
+            Self::Angles { azimuth_deg, elevation_deg } => Ok(from_angles(*azimuth_deg, *elevation_deg)),
             Self::Direction(v) => Ok(v.normalize()),
-            Self::Place {
-                latitude_deg,
-                longitude_deg,
-                time,
-            } => from_place(*latitude_deg, *longitude_deg, time, at.field("place")),
+            Self::Place { latitude_deg, longitude_deg, time } => {
+                from_place(*latitude_deg, *longitude_deg, time, at.field("place"))
+            }
         }
     }
 
     fn check(&self, at: At) -> Result<()> {
         match self {
-            Self::Angles {
-                azimuth_deg,
-                elevation_deg,
-            } => {
+            Self::Angles { azimuth_deg, elevation_deg } => {
                 let angles = at.field("angles");
                 angles.field("azimuth_deg").number(*azimuth_deg, AZIMUTH)?;
-                angles
-                    .field("elevation_deg")
-                    .number(*elevation_deg, ELEVATION)
+                angles.field("elevation_deg").number(*elevation_deg, ELEVATION)
             }
             Self::Direction(v) => at.field("direction").direction(*v),
-            Self::Place {
-                latitude_deg,
-                longitude_deg,
-                time,
-            } => {
+            Self::Place { latitude_deg, longitude_deg, time } => {
                 let place = at.field("place");
-                place
-                    .field("latitude_deg")
-                    .number(*latitude_deg, LATITUDE)?;
-                place
-                    .field("longitude_deg")
-                    .number(*longitude_deg, LONGITUDE)?;
+                place.field("latitude_deg").number(*latitude_deg, LATITUDE)?;
+                place.field("longitude_deg").number(*longitude_deg, LONGITUDE)?;
                 from_place(*latitude_deg, *longitude_deg, time, place).map(drop)
             }
         }
@@ -170,23 +138,15 @@ impl SunPosition {
 fn from_angles(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
     let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
     let (sin_elevation, cos_elevation) = elevation_deg.to_radians().sin_cos();
-    DVec3::new(
-        sin_azimuth * cos_elevation,
-        sin_elevation,
-        -cos_azimuth * cos_elevation,
-    )
+    DVec3::new(sin_azimuth * cos_elevation, sin_elevation, -cos_azimuth * cos_elevation)
 }
 
 /// Unit vector towards the sun from a place (degrees) at `time` (RFC 3339), without refraction.
 fn from_place(latitude: f64, longitude: f64, time: &str, at: At) -> Result<DVec3> {
     let at = at.field("time");
     let when = DateTime::parse_from_rfc3339(time).map_err(|reason| unreadable(at, time, reason))?;
-    let location = Location {
-        latitude,
-        longitude,
-    };
-    let seconds =
-        delta_t::estimate_from_date_like(&when).map_err(|reason| unreadable(at, time, reason))?;
+    let location = Location { latitude, longitude };
+    let seconds = delta_t::estimate_from_date_like(&when).map_err(|reason| unreadable(at, time, reason))?;
     let position = SolarPositions::new()
         .at(&when, location, 0.0, seconds, None)
         .map_err(|reason| unreadable(at, time, reason))?;

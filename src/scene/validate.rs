@@ -38,11 +38,24 @@ impl Limits {
 
 impl fmt::Display for Limits {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} to {}", self.min, self.max)?;
+        write!(f, "{} to {}", Short(self.min), Short(self.max))?;
         if !self.unit.is_empty() {
             write!(f, " {}", self.unit)?;
         }
         Ok(())
+    }
+}
+
+/// A number as people write it: no hundred digits for 1e99.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        if value != 0.0 && value.is_finite() && !(1e-6..1e12).contains(&value.abs()) {
+            return write!(f, "{value:e}");
+        }
+        write!(f, "{value}")
     }
 }
 
@@ -72,10 +85,7 @@ impl At<'_> {
 
     /// The error that says `problem` about this place.
     pub fn problem(&self, problem: impl Into<String>) -> Error {
-        Error::Scene {
-            path: self.to_string(),
-            problem: problem.into(),
-        }
+        Error::Scene { path: self.to_string(), problem: problem.into() }
     }
 
     /// `value` is finite and within `limits`.
@@ -83,7 +93,8 @@ impl At<'_> {
         if value >= limits.min && value <= limits.max {
             return Ok(());
         }
-        Err(self.problem(format!("{value} is out of range: expected {limits}")))
+        let found = Short(value);
+        Err(self.problem(format!("{found} is out of range: expected {limits}")))
     }
 
     /// Every component of `values` is finite and within `limits`.
@@ -103,9 +114,7 @@ impl At<'_> {
     pub fn direction(&self, v: DVec3) -> Result<()> {
         self.position(v)?;
         if v.length() < LEAST_LENGTH {
-            return Err(self.problem(format!(
-                "{v} has no direction: expected a vector that is not zero"
-            )));
+            return Err(self.problem(format!("{v} has no direction: expected a vector that is not zero")));
         }
         Ok(())
     }
@@ -126,7 +135,7 @@ impl At<'_> {
 impl fmt::Display for At<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            At::Root => Ok(()),
+            At::Root => f.write_str("scene"),
             At::Field(At::Root, name) => f.write_str(name),
             At::Field(parent, name) => write!(f, "{parent}.{name}"),
             At::Index(parent, i) => write!(f, "{parent}[{i}]"),

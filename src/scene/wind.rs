@@ -22,7 +22,6 @@ pub struct Wind {
 
 impl Wind {
     pub(super) fn check(&self, at: At) -> Result<()> {
-        at.field("velocity")
-            .numbers(&self.velocity.to_array(), SPEED)
+        at.field("velocity").numbers(&self.velocity.to_array(), SPEED)
     }
 }

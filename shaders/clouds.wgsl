@@ -1,0 +1,437 @@
+// One cloud, marched: opacity, single scattering and multiple scattering in one go.
+// Quads cover the tiles that the cloud can touch; each tile lists the ellipsoids that
+// its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
+// an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
+// homogeneous and integrated in closed form, the rest is sampled.
+// @use camera density noise light_box phase eddington random atmosphere
+
+struct Cloud {
+    // The camera's position in the cloud's frame, m.
+    camera: vec3f,
+    // Share f of extinction in the forward peak that transport leaves out.
+    chop: f32,
+    to_sun: vec3f,
+    // Asymmetry of the phase function without its peak.
+    asymmetry: f32,
+    // Sunlight above the atmosphere, across the beam.
+    sun_irradiance: vec3f,
+    // Single-scattering albedo of the medium without the peak.
+    albedo: f32,
+    // Altitude of the cloud's base and top above the ground, m.
+    base: f32,
+    top: f32,
+    // Length over which a slab is fitted to the cloud, m.
+    slab_length: f32,
+    // Farthest distance of the aerial perspective, m.
+    aerial_range: f32,
+    // First step behind an edge, as a share of the boundary, and growth of the steps.
+    first_step: f32,
+    growth: f32,
+    // A ray ends where less than this gets through.
+    opaque: f32,
+    // Length of the samples towards the sun, m.
+    sun_reach: f32,
+    // Longest step, as a share of the boundary; three numbers for alignment.
+    longest_step: f32,
+    padding_x: f32,
+    padding_y: f32,
+    padding_z: f32,
+    // Distance of what the caller drew = x / (y + z depth) along the view axis.
+    scene_depth: vec4f,
+    sun: LightBox,
+    sky: LightBox,
+}
+
+struct Tile {
+    // Left, top, right, bottom, pixels.
+    area: vec4u,
+    // Where the tile's ellipsoids begin in `candidates`, and how many there are.
+    first: u32,
+    count: u32,
+    padding: vec2u,
+}
+
+override COUNTING: bool = false;
+override ATMOSPHERE: bool = true;
+override SKY_LIGHT: bool = true;
+override SCENE_DEPTH: bool = false;
+override MULTIPLE: bool = true;
+override PEAK: bool = true;
+override NORMALS: bool = false;
+override ABSORBING: bool = false;
+override SUN_SAMPLES: u32 = 3u;
+override MAX_STEPS: u32 = 512u;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> cloud: Cloud;
+@group(0) @binding(2) var<storage, read> ellipsoids: array<Ellipsoid>;
+@group(0) @binding(3) var<storage, read> tiles: array<Tile>;
+@group(0) @binding(4) var<storage, read> candidates: array<u32>;
+@group(0) @binding(5) var<uniform> noise_frame: NoiseFrame;
+@group(0) @binding(6) var noise_volume: texture_3d<f32>;
+@group(0) @binding(7) var repeat: sampler;
+@group(0) @binding(8) var clamped: sampler;
+@group(0) @binding(9) var phase_table: texture_2d<f32>;
+@group(0) @binding(10) var sun_volume: texture_3d<f32>;
+@group(0) @binding(11) var sun_depths: texture_2d<f32>;
+@group(0) @binding(12) var sun_normals: texture_2d<f32>;
+@group(0) @binding(13) var sky_volume: texture_3d<f32>;
+@group(0) @binding(14) var transmittance: texture_2d<f32>;
+@group(0) @binding(15) var sky_light: texture_2d<f32>;
+@group(0) @binding(16) var aerial: texture_3d<f32>;
+@group(0) @binding(17) var scene_depth: texture_depth_2d;
+@group(0) @binding(18) var<uniform> air: Atmosphere;
+@group(0) @binding(19) var<storage, read_write> counters: array<atomic<u32>, 12>;
+
+// What `--stats` counts, in pairs of low and high words.
+const RAYS: u32 = 0u;
+const HITS: u32 = 1u;
+const STEPS: u32 = 2u;
+const DENSITY: u32 = 3u;
+const NOISE_READS: u32 = 4u;
+const MAP_READS: u32 = 5u;
+var<private> counts: array<u32, 6>;
+
+fn count(what: u32, amount: u32) {
+    if COUNTING {
+        counts[what] += amount;
+    }
+}
+
+fn store_counts() {
+    if COUNTING {
+        for (var i = 0u; i < 6u; i++) {
+            let before = atomicAdd(&counters[2u * i], counts[i]);
+            if before + counts[i] < before {
+                atomicAdd(&counters[2u * i + 1u], 1u);
+            }
+        }
+    }
+}
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) first: u32,
+    @location(1) @interpolate(flat) count: u32,
+    // Sunlight that reaches the cloud's base and top; light of sky, horizon and ground.
+    @location(2) @interpolate(flat) sun_base: vec3f,
+    @location(3) @interpolate(flat) sun_top: vec3f,
+    @location(4) @interpolate(flat) sky: vec3f,
+    @location(5) @interpolate(flat) horizon: vec3f,
+    @location(6) @interpolate(flat) ground: vec3f,
+}
+
+fn sun_at(altitude: f32) -> vec3f {
+    if !ATMOSPHERE {
+        return cloud.sun_irradiance;
+    }
+    return cloud.sun_irradiance * sun_irradiance_at(air, transmittance, clamped, altitude, cloud.to_sun.y);
+}
+
+@vertex
+fn quad(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varyings {
+    let tile = tiles[instance];
+    let corner = vec2u(vertex & 1u, vertex >> 1u);
+    let pixel = vec2f(select(tile.area.xy, tile.area.zw, corner == vec2u(1u)));
+    return Varyings(vec4f(pixel_ndc(camera, pixel), 0.0, 1.0), tile.first, tile.count,
+        sun_at(cloud.base), sun_at(cloud.top), light_of_sky(sky_light, LIGHT_ABOVE),
+        light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND));
+}
+
+// What lies ahead on a ray, from a distance to the next boundary.
+struct Stretch {
+    end: f32,
+    inside: bool,
+    // Extinction where the stretch is homogeneous, else 0.
+    core: f32,
+    // Thinnest boundary of the ellipsoids here, m.
+    boundary: f32,
+}
+
+fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
+    var entry = 1e30;
+    var exit = 1e30;
+    var core_exit = 1e30;
+    var core = 0.0;
+    var densest = 0.0;
+    var boundary = 1e30;
+    for (var i = 0u; i < v.count; i++) {
+        let e = ellipsoids[candidates[v.first + i]];
+        let outer = ellipsoid_chord(e, ray.origin, ray.direction, 1.0);
+        if outer.x < outer.y && outer.x > t {
+            entry = min(entry, outer.x);
+        } else if outer.y > t && outer.x <= t {
+            exit = min(exit, outer.y);
+            boundary = min(boundary, e.displacement + e.rise);
+            densest = max(densest, e.extinction);
+            let inner = ellipsoid_chord(e, ray.origin, ray.direction, e.core);
+            if inner.x <= t && inner.y > t && e.extinction >= core {
+                core_exit = select(inner.y, max(core_exit, inner.y), e.extinction == core);
+                core = e.extinction;
+            } else if inner.x < inner.y && inner.x > t {
+                exit = min(exit, inner.x);
+            }
+        }
+    }
+    let inside = exit < 1e30;
+    if core > 0.0 && core >= densest {
+        return Stretch(min(core_exit, entry), true, core, boundary);
+    }
+    return Stretch(min(entry, exit), inside, 0.0, boundary);
+}
+
+// The union of the tile's ellipsoids at a point.
+fn matter_at(v: Varyings, p: vec3f, blur: f32) -> Matter {
+    count(DENSITY, 1u);
+    count(NOISE_READS, 2u);
+    let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
+    var matter = CLEAR;
+    for (var i = 0u; i < v.count; i++) {
+        let e = ellipsoids[candidates[v.first + i]];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+    }
+    return matter;
+}
+
+// Optical depth to the sun without the peak: a few samples close by, where shadows are
+// sharp, then the volume.
+fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> f32 {
+    var near = 0.0;
+    for (var i = 0u; i < SUN_SAMPLES; i++) {
+        let a = f32(i) / f32(SUN_SAMPLES);
+        let b = f32(i + 1u) / f32(SUN_SAMPLES);
+        let length = cloud.sun_reach * (b * b - a * a);
+        let middle = 0.5 * cloud.sun_reach * (b * b + a * a);
+        near += length * matter_at(v, p + middle * cloud.to_sun, max(blur, 0.5 * length)).extinction;
+    }
+    let reach = select(cloud.sun_reach, 0.0, SUN_SAMPLES == 0u);
+    count(MAP_READS, 1u);
+    let beyond = light_box_coordinate(cloud.sun, p + reach * cloud.to_sun);
+    return (1.0 - cloud.chop) * near + textureSampleLevel(sun_volume, clamped, beyond, 0.0).r;
+}
+
+// Source of sunlight scattered more than once, per unit of irradiance: delta-Eddington in
+// the slab that fits the cloud here.
+fn multiple_source(p: vec3f, direction: vec3f, depth_to_sun: f32) -> f32 {
+    count(MAP_READS, 2u);
+    let uv = light_box_coordinate(cloud.sun, p).xy;
+    let texel = cloud.sun.size_x / f32(textureDimensions(sun_depths).x);
+    let level = log2(max(cloud.slab_length / texel, 1.0));
+    let map = textureSampleLevel(sun_depths, clamped, uv, level);
+    let facing = textureSampleLevel(sun_normals, clamped, uv, level).xyz;
+    let normal = normalize(facing + 1e-4 * cloud.to_sun);
+    let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
+    let thickness = max(map.z / max(map.w, 1e-3), depth_to_sun);
+    let source = eddington_beam(cloud.asymmetry, mu0, mu0 * depth_to_sun, mu0 * thickness, dot(direction, normal));
+    if ABSORBING {
+        return source * absorbed(cloud.albedo, cloud.asymmetry, depth_to_sun);
+    }
+    return source;
+}
+
+// Weights of sky, horizon and ground in the source of their diffuse light; they sum to 1.
+fn diffuse_weights(p: vec3f) -> vec3f {
+    count(MAP_READS, 1u);
+    let depths = textureSampleLevel(sky_volume, clamped, light_box_coordinate(cloud.sky, p), 0.0).rgb;
+    let up = diffuse_conductance(cloud.asymmetry, depths.x);
+    let down = diffuse_conductance(cloud.asymmetry, depths.y);
+    let side = 4.0 * depths.z;
+    let weights = vec3f(up, side, down) / (up + side + down);
+    if ABSORBING {
+        let nearest = min(depths.x, depths.y);
+        return weights * absorbed(cloud.albedo, cloud.asymmetry, nearest);
+    }
+    return weights;
+}
+
+// Outward normal of the ellipsoid in which a point lies deepest: which way the cloud
+// faces here, noise left out.
+fn normal_at(v: Varyings, p: vec3f) -> vec3f {
+    var deepest = -1e30;
+    var normal = cloud.to_sun;
+    for (var i = 0u; i < v.count; i++) {
+        let e = ellipsoids[candidates[v.first + i]];
+        let u = ellipsoid_unit(e, p, 1.0);
+        let depth = ellipsoid_depth(e, u);
+        if depth > deepest {
+            deepest = depth;
+            normal = ellipsoid_normal(e, u);
+        }
+    }
+    return normal;
+}
+
+// Light gathered along a ray, per unit of the lights outside.
+struct March {
+    transmittance: f32,
+    // Full optical depth, peak included.
+    optical_depth: f32,
+    single: f32,
+    multiple: f32,
+    // Sky, horizon, ground.
+    diffuse: vec3f,
+    // Distance and height, weighted by what is seen.
+    distance: f32,
+    height: f32,
+    normal: vec3f,
+}
+
+fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
+    let p = ray.origin + t * ray.direction;
+    let depth = sun_depth(v, p, blur);
+    (*m).single += seen * exp(-depth);
+    if MULTIPLE {
+        (*m).multiple += seen * multiple_source(p, ray.direction, depth);
+    }
+    if SKY_LIGHT {
+        (*m).diffuse += seen * diffuse_weights(p);
+    }
+    if NORMALS {
+        (*m).normal += seen * normal_at(v, p);
+    }
+    (*m).distance += seen * t;
+    (*m).height += seen * p.y;
+}
+
+// Optical depth of the first step in a homogeneous core.
+const CORE_STEP: f32 = 0.15;
+
+fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32) -> March {
+    var m = March(1.0, 0.0, 0.0, 0.0, vec3f(0.0), 0.0, 0.0, vec3f(0.0));
+    var t = 0.0;
+    var stretch = Stretch(0.0, false, 0.0, 0.0);
+    var step = 0.0;
+    var phase = offset;
+    for (var i = 0u; i < MAX_STEPS; i++) {
+        // Find the next stretch; jump over clear air.
+        if t >= stretch.end {
+            stretch = survey(v, ray, t);
+            if !stretch.inside {
+                if stretch.end >= farthest {
+                    break;
+                }
+                t = stretch.end;
+                step = 0.0;
+                phase = offset;
+                continue;
+            }
+        }
+        // Take one step, no farther than the stretch.
+        let blur = pixel_footprint(camera, t);
+        let smallest = max(cloud.first_step * stretch.boundary, blur);
+        let longest = max(cloud.longest_step * stretch.boundary, blur);
+        let homogeneous = stretch.core > 0.0;
+        let wanted = select(clamp(step, smallest, longest), max(step, CORE_STEP / stretch.core), homogeneous);
+        let length = min(wanted * phase, min(stretch.end, farthest) - t);
+        phase = 1.0;
+        let middle = t + 0.5 * length;
+        count(STEPS, 1u);
+        var matter = Matter(stretch.core, 0.0);
+        if !homogeneous {
+            matter = matter_at(v, ray.origin + middle * ray.direction, blur);
+        }
+        // Gather the light of this step in closed form.
+        let optical_depth = matter.extinction * length;
+        let through = exp(-(1.0 - cloud.chop) * optical_depth);
+        let seen = m.transmittance * (1.0 - through);
+        if seen > 1e-5 {
+            add_light(v, &m, ray, middle, seen, blur);
+        }
+        m.transmittance *= through;
+        m.optical_depth += optical_depth;
+        if m.transmittance < cloud.opaque {
+            break;
+        }
+        // In clear air step to where matter can begin at the soonest; inside, steps grow.
+        t = select(t + length, stretch.end, t + length >= stretch.end);
+        step = select(wanted * cloud.growth, max(-0.5 * matter.depth, smallest), matter.depth < 0.0);
+        if t >= farthest {
+            break;
+        }
+    }
+    return m;
+}
+
+// Distance along the ray of what the caller drew in this pixel.
+fn drawn_distance(pixel: vec2f, ray: Ray) -> f32 {
+    if !SCENE_DEPTH {
+        return 1e29;
+    }
+    let depth = textureLoad(scene_depth, vec2u(pixel), 0);
+    let d = cloud.scene_depth;
+    let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
+    return axial / max(dot(ray.direction, normalize(camera.forward)), 1e-6);
+}
+
+// A pixel's light, premultiplied by opacity.
+struct Shade {
+    alpha: f32,
+    single: vec3f,
+    multiple: vec3f,
+    // Light scattered by the air between camera and cloud.
+    air: vec3f,
+    distance: f32,
+    normal: vec3f,
+}
+
+fn shade(v: Varyings) -> Shade {
+    count(RAYS, 1u);
+    let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
+    let ray = Ray(cloud.camera + seen_from_camera.origin, seen_from_camera.direction);
+    let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
+    let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05));
+    let alpha = 1.0 - m.transmittance;
+    if alpha <= 0.0 {
+        return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
+    }
+    count(HITS, 1u);
+    let distance = m.distance / alpha;
+    let height = saturate(0.5 + m.height / (alpha * max(cloud.top - cloud.base, 1.0)));
+    let sun = mix(v.sun_base, v.sun_top, height);
+    let u = phase_coordinate(-cloud.to_sun, -ray.direction);
+    let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
+    var single = wide / (1.0 - cloud.chop) * m.single;
+    if PEAK {
+        let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+        single += peak * recovered_peak(m.optical_depth, cloud.chop);
+    }
+    single *= cloud.albedo * sun;
+    let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
+    let multiple = cloud.albedo * (sun * m.multiple + diffuse);
+    if !ATMOSPHERE {
+        return Shade(alpha, single, multiple, vec3f(0.0), distance, m.normal);
+    }
+    let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);
+    return Shade(alpha, single * air.a, multiple * air.a, alpha * cloud.sun_irradiance * air.rgb, distance, m.normal);
+}
+
+// All light in one, for pictures and games.
+@fragment
+fn beauty(v: Varyings) -> @location(0) vec4f {
+    let s = shade(v);
+    store_counts();
+    return vec4f(s.single + s.multiple + s.air, s.alpha);
+}
+
+struct LightLayers {
+    @location(0) single: vec4f,
+    @location(1) multiple: vec4f,
+    @location(2) air: vec4f,
+    // Distance in kilometres, so that half floats hold it.
+    @location(3) distance: vec4f,
+}
+
+// The same light apart, for compositors.
+@fragment
+fn layers(v: Varyings) -> LightLayers {
+    let s = shade(v);
+    return LightLayers(vec4f(s.single, s.alpha), vec4f(s.multiple, s.alpha), vec4f(s.air, s.alpha),
+        vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
+}
+
+// Which way the cloud faces, for compositors.
+@fragment
+fn normals(v: Varyings) -> @location(0) vec4f {
+    let s = shade(v);
+    return vec4f(s.normal, s.alpha);
+}

@@ -1,0 +1,35 @@
+// Delta-Eddington: light scattered many times inside a plane-parallel slab, in closed
+// form. Depths are optical, along the normal, in the medium without its forward peak,
+// and scaled here by 1 - g^2 (Joseph, Wiscombe and Weinman 1976).
+// @use constants
+
+// A conservative slab lit by a beam of irradiance 1 across it, at cosine `mu0` to the
+// normal: the source function of light that was scattered at least once before, 1/sr,
+// towards downward cosine `nu`, at optical depth `depth` of `thickness`.
+fn eddington_beam(g: f32, mu0: f32, depth: f32, thickness: f32, nu: f32) -> f32 {
+    let scale = 1.0 - g * g;
+    let g1 = g / (1.0 + g);
+    let t = scale * depth;
+    let total = scale * thickness;
+    let arriving = (2.0 / 3.0 + mu0) + (2.0 / 3.0 - mu0) * exp(-total / mu0);
+    let flux = mu0 * arriving / (4.0 / 3.0 + (1.0 - g1) * total);
+    let beam = exp(-t / mu0);
+    let lost = mu0 * mu0 * (1.0 - beam);
+    let c = 3.0 * INV_4PI;
+    let i1 = c * (flux - mu0 * beam);
+    let i0 = c * (2.0 / 3.0 * (mu0 - flux) - (1.0 - g1) * (flux * t - lost) + g1 * lost);
+    return max(i0 + g1 * nu * i1, 0.0);
+}
+
+// How well diffuse light comes through an optical depth, relative: the Eddington
+// solution of a slab between two diffuse skies is their mean weighted by this.
+fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
+    return 1.0 / (2.0 / 3.0 + (1.0 - g) * optical_depth);
+}
+
+// What absorption leaves of multiply scattered light at an optical depth below the lit
+// surface: the decay of diffusion, with the medium's albedo and asymmetry. 1 where the
+// medium is conservative; near the surface it keeps too much.
+fn absorbed(albedo: f32, g: f32, optical_depth: f32) -> f32 {
+    return exp(-sqrt(max(3.0 * (1.0 - albedo) * (1.0 - albedo * g), 0.0)) * optical_depth);
+}

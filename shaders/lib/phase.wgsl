@@ -1,0 +1,37 @@
+// Phase functions, 1/sr, of the cosine of the angle between the propagation before
+// and after scattering: +1 is straight on. They integrate to 1 over the sphere.
+// @use constants
+
+// Henyey and Greenstein 1941.
+fn henyey_greenstein(g: f32, mu: f32) -> f32 {
+    let base = 1.0 + g * g - 2.0 * g * mu;
+    return INV_4PI * (1.0 - g * g) / max(base * sqrt(base), 1e-9);
+}
+
+// Coordinate of a scattering angle in a phase table whose texels are even in
+// sqrt(theta / pi) up to the middle and mirrored beyond: dense at the forward peak
+// and at the glory. Written with half angles from the chord, because acos is poor
+// near its ends: |a - b| = 2 sin(theta / 2).
+fn phase_coordinate(before: vec3f, after: vec3f) -> f32 {
+    let forward = 2.0 * asin_small(0.5 * length(after - before));
+    let backward = 2.0 * asin_small(0.5 * length(after + before));
+    let is_forward = forward < backward;
+    let share = select(backward, forward, is_forward) / PI;
+    let half = sqrt(0.5 * share);
+    return select(1.0 - half, half, is_forward);
+}
+
+// asin on [0, 0.7072], within 3e-5 (Maclaurin series to x^17).
+fn asin_small(x: f32) -> f32 {
+    let y = min(x, 0.7072);
+    let z = y * y;
+    let tail = z * (0.030381944 + z * (0.022372159 + z * (0.017352764 + z * (0.01396484 + z * 0.0115518))));
+    return y * (1.0 + z * (0.16666667 + z * (0.075 + z * (0.04464286 + tail))));
+}
+
+// Share of the light that was scattered only within the removed forward peak, over an
+// optical depth: (e^{-(1 - chop) tau} - e^{-tau}), the corrected [K 3.66]; to be
+// multiplied by the peak's shape P_peak / f.
+fn recovered_peak(optical_depth: f32, chop: f32) -> f32 {
+    return exp(-(1.0 - chop) * optical_depth) - exp(-optical_depth);
+}

@@ -1,0 +1,41 @@
+// Normals of the lit surface from the map of its depth, noise and all, in the cloud's
+// frame: the slopes towards the neighbours that are covered. Multiplied by coverage.
+// @use light_box
+
+@group(0) @binding(0) var<uniform> box: LightBox;
+@group(0) @binding(1) var depths: texture_2d<f32>;
+@group(0) @binding(2) var normals: texture_storage_2d<rgba16float, write>;
+
+struct Surface {
+    depth: f32,
+    coverage: f32,
+}
+
+fn surface_at(texel: vec2i) -> Surface {
+    let last = vec2i(textureDimensions(depths)) - 1;
+    let map = textureLoad(depths, clamp(texel, vec2i(0), last), 0);
+    return Surface(box.size_z * map.x / max(map.w, 1e-4), map.w);
+}
+
+// Rise of the depth per metre across, from the sides that are covered; where none is,
+// this is a rim, which falls away on both sides.
+fn slope(before: Surface, here: Surface, after: Surface, texel: f32) -> f32 {
+    let backward = min(before.coverage, here.coverage) * (here.depth - before.depth);
+    let forward = min(here.coverage, after.coverage) * (after.depth - here.depth);
+    let weight = min(before.coverage, here.coverage) + min(here.coverage, after.coverage);
+    return (backward + forward) / (max(weight, 1e-4) * texel);
+}
+
+@compute @workgroup_size(8, 8)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let size = textureDimensions(depths);
+    if any(id.xy >= size) {
+        return;
+    }
+    let texel = vec2i(id.xy);
+    let here = surface_at(texel);
+    let x = slope(surface_at(texel - vec2i(1, 0)), here, surface_at(texel + vec2i(1, 0)), box.size_x / f32(size.x));
+    let y = slope(surface_at(texel - vec2i(0, 1)), here, surface_at(texel + vec2i(0, 1)), box.size_y / f32(size.y));
+    let normal = normalize(x * box.across_x + y * box.across_y - box.along);
+    textureStore(normals, id.xy, vec4f(here.coverage * normal, here.coverage));
+}

@@ -1,0 +1,231 @@
+//! `nephos render`: a picture of a scene.
+
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::terminal;
+use crate::{
+    Error, Result, export,
+    gpu::{self, Gpu, PassTime, Timing},
+    render::{Counts, Frame, Quality, Renderer, Target, Transport},
+    scene::Scene,
+};
+
+/// Render a scene file to a picture.
+#[derive(Debug, Args)]
+pub struct Render {
+    /// Scene file; `-` reads the standard input.
+    scene: PathBuf,
+    /// Picture to write: .png (tone-mapped, sRGB) or .exr (linear).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Width, pixels.
+    #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    width: u32,
+    /// Height, pixels.
+    #[arg(long, default_value_t = 540, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    height: u32,
+    /// How much work to put in.
+    #[arg(long, value_enum, default_value_t = QualityName::Final)]
+    quality: QualityName,
+    /// How light inside clouds is found.
+    #[arg(long, value_enum, default_value_t = TransportName::DeltaEddington)]
+    transport: TransportName,
+    /// Write the layers that the beauty is made of beside it (EXR only).
+    #[arg(long)]
+    layers: bool,
+    /// Leave the sky out: clouds on a transparent ground.
+    #[arg(long)]
+    transparent: bool,
+    /// Tell the work and time of each pass; counting makes the picture slower.
+    #[arg(long)]
+    stats: bool,
+    /// Write what is told as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Part of the name of the adapter to use; `nephos info` lists them.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum QualityName {
+    Draft,
+    Preview,
+    Final,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum TransportName {
+    /// Single scattering only, and the light of the sky.
+    Single,
+    /// Also multiple scattering, in closed form.
+    DeltaEddington,
+}
+
+/// What `--json` tells.
+#[derive(Debug, Serialize)]
+struct Report {
+    output: PathBuf,
+    width: u32,
+    height: u32,
+    adapter: gpu::AdapterSummary,
+    seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counts: Option<Counts>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    passes: Vec<PassTime>,
+}
+
+impl Render {
+    /// Renders.
+    ///
+    /// # Errors
+    /// Where the scene, the arguments, the adapter or the file are not good.
+    pub fn run(self) -> Result<()> {
+        let format = Format::of(&self.output)?;
+        if self.layers && format != Format::Exr {
+            return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
+        }
+        let scene = Scene::load(&self.scene)?;
+        let frame = Frame::new(&scene, [self.width, self.height])?;
+        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let started = Instant::now();
+        let mut renderer = self.renderer(&gpu);
+        let bar = terminal::progress("rendering");
+        let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
+        match format {
+            Format::Png => self.png(&gpu, &mut renderer, &frame, &scene, &mut progress)?,
+            Format::Exr => self.exr(&gpu, &mut renderer, &frame, &mut progress)?,
+        }
+        bar.finish_and_clear();
+        self.tell(&gpu, &renderer, started.elapsed().as_secs_f64())
+    }
+
+    fn renderer(&self, gpu: &Gpu) -> Renderer {
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
+        renderer.quality = match self.quality {
+            QualityName::Draft => Quality::DRAFT,
+            QualityName::Preview => Quality::PREVIEW,
+            QualityName::Final => Quality::FINAL,
+        };
+        renderer.transport = match self.transport {
+            TransportName::Single => Transport::Single,
+            TransportName::DeltaEddington => Transport::DeltaEddington,
+        };
+        renderer.counting = self.stats;
+        renderer.timing = self.stats.then(|| Timing::new(gpu));
+        renderer
+    }
+
+    fn png(
+        &self,
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        scene: &Scene,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let size = frame.size();
+        let linear = self.beauty(gpu, renderer, frame, progress)?;
+        let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
+        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), scene.exposure);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = gpu::read_texture(gpu, &finished, 0)?;
+        export::write_png(&self.output, size, &bytes, self.transparent)
+    }
+
+    fn exr(
+        &self,
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        if self.layers {
+            let layers = renderer.render_layers(gpu, frame, progress)?;
+            return export::write_layers(&self.output, gpu, &layers);
+        }
+        let linear = self.beauty(gpu, renderer, frame, progress)?;
+        export::write_beauty(&self.output, &export::Picture::read(gpu, &linear)?)
+    }
+
+    fn beauty(
+        &self,
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<wgpu::Texture> {
+        let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let view = linear.create_view(&Default::default());
+        let target = Target { color: &view, depth: None, sky: !self.transparent };
+        renderer.render_in_pieces(gpu, frame, &target, progress)?;
+        Ok(linear)
+    }
+
+    fn tell(&self, gpu: &Gpu, renderer: &Renderer, seconds: f64) -> Result<()> {
+        let counts = if self.stats { Some(renderer.counts(gpu)?) } else { None };
+        let passes = renderer.timing.as_ref().map_or(Ok(Vec::new()), |timing| timing.collect(gpu))?;
+        let report = Report {
+            output: self.output.clone(),
+            width: self.width,
+            height: self.height,
+            adapter: gpu.adapter.clone(),
+            seconds,
+            counts,
+            passes,
+        };
+        if self.json { terminal::print_json(&report) } else { terminal::print(&report.text()) }
+    }
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{}: {}x{} in {:.2} s on {}\n",
+            self.output.display(),
+            self.width,
+            self.height,
+            self.seconds,
+            self.adapter.name
+        );
+        for time in &self.passes {
+            text += &format!("  {:<14} {:>10.2} ms\n", time.pass, time.ms);
+        }
+        if let Some(counts) = self.counts {
+            let per_ray = |n: u64| n as f64 / counts.rays.max(1) as f64;
+            for (name, n) in counts.named() {
+                text += &format!("  {name:<20} {n:>14}  {:>8.2} per ray\n", per_ray(n));
+            }
+        }
+        text
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        match extension.as_str() {
+            "png" => Ok(Self::Png),
+            "exr" => Ok(Self::Exr),
+            _ => Err(Error::Argument(format!(
+                "`{}` ends in neither .png nor .exr: name one of these, the ending says what is written",
+                path.display()
+            ))),
+        }
+    }
+}

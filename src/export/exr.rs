@@ -1,0 +1,93 @@
+//! OpenEXR, half floats, linear, colours multiplied by alpha as the format asks.
+
+use std::{io, path::Path};
+
+use exr::prelude::{self as openexr, WritableImage};
+use half::f16;
+
+use super::Picture;
+use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
+
+/// Writes one picture as R, G, B, A.
+///
+/// # Errors
+/// [`crate::Error::File`] when the file can't be written.
+pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
+    write_channels(path, picture, &channels("", picture))
+}
+
+/// Writes the beauty and the layers that it is the sum of:
+/// `beauty = sky * transmittance + single + multiple + air`, and `depth.Z`, the distance
+/// of the clouds in metres, 1e10 where there are none.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
+/// can't be written.
+pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers) -> Result<()> {
+    let [sky, single, multiple, air, distance, normal] =
+        [&layers.sky, &layers.single, &layers.multiple, &layers.air, &layers.distance, &layers.normal]
+            .map(|texture| Picture::read(gpu, texture));
+    let (sky, single, multiple, air, distance, normal) = (sky?, single?, multiple?, air?, distance?, normal?);
+    let mut list = channels("", &beauty(&sky, &[&single, &multiple, &air]));
+    for (name, layer) in [("sky", &sky), ("single", &single), ("multiple", &multiple), ("air", &air)] {
+        list.extend(channels(name, layer).into_iter().filter(|(name, _)| !name.ends_with('A')));
+    }
+    let from = |picture: &Picture, value: fn(&[f32; 4]) -> f32| picture.pixels.iter().map(value).collect();
+    list.push(("transmittance.Y".to_owned(), from(&single, |pixel| 1.0 - pixel[3])));
+    list.push(("depth.Z".to_owned(), from(&distance, metres)));
+    for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
+        list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
+    }
+    write_channels(path, &sky, &list)
+}
+
+fn metres(pixel: &[f32; 4]) -> f32 {
+    if pixel[3] > 0.0 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
+}
+
+fn beauty(sky: &Picture, light: &[&Picture; 3]) -> Picture {
+    let mut sum = sky.clone();
+    for (i, pixel) in sum.pixels.iter_mut().enumerate() {
+        let through = 1.0 - light[0].pixels[i][3];
+        for channel in 0..3 {
+            pixel[channel] =
+                pixel[channel] * through + light.iter().map(|l| l.pixels[i][channel]).sum::<f32>();
+        }
+    }
+    sum
+}
+
+fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
+    let name =
+        |channel: &str| if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
+    ["R", "G", "B", "A"]
+        .into_iter()
+        .enumerate()
+        .map(|(i, channel)| (name(channel), picture.pixels.iter().map(|pixel| pixel[i]).collect()))
+        .collect()
+}
+
+/// Colours as half floats; depths, which half floats can't hold, as floats.
+fn write_channels(path: &Path, size: &Picture, list: &[(String, Vec<f32>)]) -> Result<()> {
+    let channels = list.iter().map(|(name, values)| {
+        let samples = if name.ends_with('Z') && name.starts_with("depth") {
+            openexr::FlatSamples::F32(values.clone())
+        } else {
+            openexr::FlatSamples::F16(values.iter().map(|&value| f16::from_f32(value)).collect())
+        };
+        openexr::AnyChannel::new(name.as_str(), samples)
+    });
+    let layer = openexr::Layer::new(
+        (size.width, size.height),
+        openexr::LayerAttributes::named("nephos"),
+        openexr::Encoding::SMALL_LOSSLESS,
+        openexr::AnyChannels::sort(channels.collect()),
+    );
+    let image = openexr::Image::from_layer(layer);
+    write_whole(path, |file| {
+        image.write().to_buffered(file).map_err(|error| match error {
+            openexr::Error::Io(error) => error,
+            other => io::Error::other(other.to_string()),
+        })
+    })
+}

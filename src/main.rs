@@ -1,0 +1,7 @@
+//! The program `nephos`: see `nephos help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    nephos::cli::main()
+}

@@ -1,0 +1,294 @@
+//! The pass that marches clouds: one draw a cloud, far ones first, over tiles that the
+//! cloud can touch.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use super::{
+    Quality, SceneDepth, Transport,
+    frame::{CloudFrame, Frame},
+    light::{CloudLight, LightBox},
+    stats::Counters,
+    tiles::Cover,
+};
+use crate::gpu;
+
+/// `Cloud` of `shaders/clouds.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct CloudUniform {
+    camera: Vec3,
+    chop: f32,
+    to_sun: Vec3,
+    asymmetry: f32,
+    sun_irradiance: Vec3,
+    albedo: f32,
+    base: f32,
+    top: f32,
+    slab_length: f32,
+    aerial_range: f32,
+    first_step: f32,
+    growth: f32,
+    opaque: f32,
+    sun_reach: f32,
+    longest_step: f32,
+    padding: [f32; 3],
+    scene_depth: [f32; 4],
+    sun: LightBox,
+    sky: LightBox,
+}
+
+/// What a variant of the shader is compiled for; all else is compiled out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Variant {
+    pub entry: &'static str,
+    pub counting: bool,
+    pub atmosphere: bool,
+    pub sky_light: bool,
+    pub scene_depth: bool,
+    pub multiple: bool,
+    pub peak: bool,
+    pub normals: bool,
+    pub absorbing: bool,
+    pub sun_samples: u32,
+    pub max_steps: u32,
+}
+
+impl Variant {
+    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+        let flag = |on: bool| f64::from(u8::from(on));
+        [
+            ("COUNTING", flag(self.counting)),
+            ("ATMOSPHERE", flag(self.atmosphere)),
+            ("SKY_LIGHT", flag(self.sky_light)),
+            ("SCENE_DEPTH", flag(self.scene_depth)),
+            ("MULTIPLE", flag(self.multiple)),
+            ("PEAK", flag(self.peak)),
+            ("NORMALS", flag(self.normals)),
+            ("ABSORBING", flag(self.absorbing)),
+            ("SUN_SAMPLES", f64::from(self.sun_samples)),
+            ("MAX_STEPS", f64::from(self.max_steps)),
+        ]
+    }
+}
+
+/// What every cloud of a frame binds.
+pub(super) struct Shared<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    pub frame: &'a Frame,
+    pub quality: &'a Quality,
+    pub transport: Transport,
+    pub camera: wgpu::Buffer,
+    pub noise_volume: &'a wgpu::TextureView,
+    pub repeat: &'a wgpu::Sampler,
+    pub clamped: &'a wgpu::Sampler,
+    pub transmittance: &'a wgpu::TextureView,
+    pub sky_light: &'a wgpu::TextureView,
+    pub aerial: &'a wgpu::TextureView,
+    pub aerial_range: f32,
+    pub air: &'a wgpu::Buffer,
+    pub depth: Option<&'a SceneDepth<'a>>,
+    pub no_depth: &'a wgpu::TextureView,
+    pub counters: &'a Counters,
+    pub counting: bool,
+    pub atmosphere: bool,
+    pub lit_by_sky: bool,
+}
+
+/// A cloud ready to be drawn.
+pub(super) struct Draw {
+    variant: Variant,
+    group: wgpu::BindGroup,
+    pub tiles: u32,
+}
+
+/// Pipelines of the shader, compiled when first needed.
+pub(super) struct CloudsPass {
+    module: wgpu::ShaderModule,
+    pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
+}
+
+impl CloudsPass {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new() }
+    }
+
+    /// Compiles what is missing and binds one cloud; nothing where it is out of the picture.
+    pub fn prepare(
+        &mut self,
+        shared: &Shared<'_>,
+        cloud: &CloudFrame,
+        light: &CloudLight,
+        entry: &'static str,
+        format: wgpu::TextureFormat,
+    ) -> Option<Draw> {
+        let uniform = uniform(shared, cloud, light);
+        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids, uniform.sun_reach);
+        if cover.tiles.is_empty() {
+            return None;
+        }
+        let variant = variant(shared, cloud, entry);
+        let pipeline = self
+            .pipelines
+            .entry((variant, format))
+            .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
+        let group = bind(shared, cloud, light, &uniform, &cover, &pipeline.get_bind_group_layout(0));
+        Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
+    }
+
+    /// Records one piece of a draw.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        format: wgpu::TextureFormat,
+        draw: &Draw,
+        tiles: std::ops::Range<u32>,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &draw.group, &[]);
+        pass.draw(0..4, tiles);
+    }
+}
+
+fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Variant {
+    // Which way a cloud faces has nothing to do with light.
+    let lit = entry != "normals";
+    Variant {
+        entry,
+        counting: shared.counting,
+        atmosphere: shared.atmosphere,
+        sky_light: lit && shared.lit_by_sky,
+        scene_depth: shared.depth.is_some(),
+        multiple: lit && shared.transport == Transport::DeltaEddington,
+        peak: lit && cloud.optics.chop > 0.0,
+        normals: !lit,
+        absorbing: cloud.optics.albedo < 1.0,
+        sun_samples: if lit { shared.quality.sun_samples } else { 0 },
+        max_steps: shared.quality.max_steps,
+    }
+}
+
+/// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
+const SUN_REACH: f32 = 2.5;
+/// Length over which a slab is fitted, in transport mean free paths.
+const SLAB_LENGTH: f32 = 0.3;
+
+fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> CloudUniform {
+    let frame = shared.frame;
+    let optics = &cloud.optics;
+    let ground = frame.scene.ground.altitude;
+    let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
+    let transport_path = 1.0 / (densest * (1.0 - optics.chop) * (1.0 - optics.asymmetry));
+    CloudUniform {
+        camera: (frame.camera_position - cloud.origin).as_vec3(),
+        chop: optics.chop,
+        to_sun: frame.to_sun.as_vec3(),
+        asymmetry: optics.asymmetry,
+        sun_irradiance: Vec3::from(frame.scene.sun.irradiance.map(|x| x as f32)),
+        albedo: optics.albedo,
+        base: (cloud.origin.y - cloud.half.y - ground) as f32,
+        top: (cloud.origin.y + cloud.half.y - ground) as f32,
+        slab_length: SLAB_LENGTH * transport_path,
+        aerial_range: shared.aerial_range,
+        first_step: shared.quality.first_step,
+        growth: shared.quality.growth,
+        opaque: shared.quality.opaque,
+        sun_reach: SUN_REACH * light.voxel,
+        longest_step: shared.quality.longest_step,
+        padding: [0.0; 3],
+        scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
+        sun: light.sun_box,
+        sky: light.sky_box,
+    }
+}
+
+fn bind(
+    shared: &Shared<'_>,
+    cloud: &CloudFrame,
+    light: &CloudLight,
+    uniform: &CloudUniform,
+    cover: &Cover,
+    layout: &wgpu::BindGroupLayout,
+) -> wgpu::BindGroup {
+    let device = shared.device;
+    let cloud_buffer = gpu::uniform_buffer(device, "cloud", uniform);
+    let ellipsoids = gpu::storage_buffer(device, "ellipsoids", &cloud.ellipsoids);
+    let tiles = gpu::storage_buffer(device, "tiles", &cover.tiles);
+    let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
+    let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
+    let phase = cloud.optics.upload(device, shared.queue);
+    let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+    gpu::bind_group(
+        device,
+        "cloud",
+        layout,
+        &[
+            Some(shared.camera.as_entire_binding()),
+            Some(cloud_buffer.as_entire_binding()),
+            Some(ellipsoids.as_entire_binding()),
+            Some(tiles.as_entire_binding()),
+            Some(candidates.as_entire_binding()),
+            Some(noise.as_entire_binding()),
+            texture(shared.noise_volume),
+            Some(wgpu::BindingResource::Sampler(shared.repeat)),
+            Some(wgpu::BindingResource::Sampler(shared.clamped)),
+            texture(&phase),
+            texture(&light.sun_volume),
+            texture(&light.sun_depths),
+            texture(&light.sun_normals),
+            texture(&light.sky_volume),
+            texture(shared.transmittance),
+            texture(shared.sky_light),
+            texture(shared.aerial),
+            texture(shared.depth.map_or(shared.no_depth, |depth| depth.view)),
+            Some(shared.air.as_entire_binding()),
+            Some(shared.counters.buffer().as_entire_binding()),
+        ],
+    )
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    variant: &Variant,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let overrides = variant.overrides();
+    let options = || wgpu::PipelineCompilationOptions {
+        constants: &overrides,
+        zero_initialize_workgroup_memory: false,
+    };
+    let target = Some(wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        write_mask: wgpu::ColorWrites::ALL,
+    });
+    let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("clouds"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some("quad"),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(variant.entry),
+            compilation_options: options(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,86 @@
+//! From scene-referred light to the screen.
+
+use crate::gpu;
+
+/// `Compose` of `shaders/compose.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct ComposeUniform {
+    exposure: f32,
+    padding: [f32; 3],
+}
+
+/// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
+/// irradiance per steradian, comes out just below white.
+const BASE: f64 = 3.5;
+
+impl ComposeUniform {
+    /// For an exposure in stops.
+    pub fn new(stops: f64) -> Self {
+        Self { exposure: (BASE * stops.exp2()) as f32, padding: [0.0; 3] }
+    }
+}
+
+/// The pass that finishes a picture for a screen.
+pub(super) struct Compose {
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Compose {
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+        let module = gpu::shader_module(device, "compose");
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("compose"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("screen"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: None,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("compose"),
+                compilation_options: Default::default(),
+                targets: &[Some(format.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Self { pipeline }
+    }
+
+    pub fn draw(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &wgpu::TextureView,
+        target: &wgpu::TextureView,
+        stops: f64,
+    ) {
+        let uniform = gpu::uniform_buffer(device, "compose", &ComposeUniform::new(stops));
+        let layout = self.pipeline.get_bind_group_layout(0);
+        let resources =
+            [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];
+        let group = gpu::bind_group(device, "compose", &layout, &resources);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("compose"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,61 @@
+//! Ellipsoids as the shaders see them.
+
+use glam::{DMat3, DVec3, Vec3, Vec4};
+
+use crate::scene::{Cloud, Ellipsoid};
+
+/// `Ellipsoid` of `shaders/lib/ellipsoid.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct EllipsoidUniform {
+    pub(crate) row_x: Vec4,
+    pub(crate) row_y: Vec4,
+    pub(crate) row_z: Vec4,
+    pub(crate) center: Vec3,
+    pub(crate) extinction: f32,
+    pub(crate) displacement: f32,
+    pub(crate) rise: f32,
+    pub(crate) wispiness: f32,
+    pub(crate) core: f32,
+}
+
+/// Share of the boundary over which the density rises: at the sharpest, and more with
+/// wispiness. The rest is displacement by noise.
+const SHARPEST_RISE: f64 = 0.06;
+const WISPIEST_RISE: f64 = 0.6;
+
+impl EllipsoidUniform {
+    /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`.
+    pub fn new(cloud: &Cloud, ellipsoid: &Ellipsoid, origin: DVec3) -> Self {
+        let edge = cloud.edge_of(ellipsoid);
+        let share = SHARPEST_RISE + (WISPIEST_RISE - SHARPEST_RISE) * edge.wispiness;
+        let rise = edge.boundary * share;
+        let axes = DMat3::from_quat(ellipsoid.orientation);
+        let row = |axis: DVec3, radius: f64| (axis / radius).extend(1.0 / radius).as_vec4();
+        Self {
+            row_x: row(axes.x_axis, ellipsoid.radii.x),
+            row_y: row(axes.y_axis, ellipsoid.radii.y),
+            row_z: row(axes.z_axis, ellipsoid.radii.z),
+            center: (ellipsoid.center - origin).as_vec3(),
+            extinction: (cloud.droplets.extinction() * ellipsoid.density) as f32,
+            displacement: (edge.boundary - rise) as f32,
+            rise: rise.max(1e-3) as f32,
+            wispiness: edge.wispiness as f32,
+            core: (1.0 - edge.boundary / ellipsoid.radii.min_element()) as f32,
+        }
+    }
+
+    /// Half the extent along a unit vector, m.
+    pub(crate) fn support(&self, axis: Vec3) -> f32 {
+        [self.row_x, self.row_y, self.row_z]
+            .map(|row| row.truncate().dot(axis) / (row.w * row.w))
+            .map(|half| half * half)
+            .iter()
+            .sum::<f32>()
+            .sqrt()
+    }
+
+    pub(crate) fn largest_radius(&self) -> f32 {
+        1.0 / self.row_x.w.min(self.row_y.w).min(self.row_z.w)
+    }
+}

@@ -1,0 +1,95 @@
+//! One moment of a scene as the GPU takes it: the only type between the artist's
+//! `Scene` and the passes.
+
+use glam::DVec3;
+
+use super::{camera::CameraUniform, ellipsoids::EllipsoidUniform, noise::NoiseFrame, optics::CloudOptics};
+use crate::{Result, scene::Scene};
+
+/// A scene at one moment, seen by one camera, for one size of picture.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// The scene that it was made from, wind applied.
+    pub(crate) scene: Scene,
+    pub(crate) camera: CameraUniform,
+    pub(crate) camera_position: DVec3,
+    pub(crate) to_sun: DVec3,
+    pub(crate) clouds: Vec<CloudFrame>,
+}
+
+/// A cloud in its own frame, whose origin is in the middle of it and whose axes are the
+/// world's. What is kept between frames lives here and does not notice the camera.
+#[derive(Debug, Clone)]
+pub struct CloudFrame {
+    /// Origin in the world, m.
+    pub(crate) origin: DVec3,
+    /// Half the extent along the world's axes, m.
+    pub(crate) half: DVec3,
+    pub(crate) ellipsoids: Vec<EllipsoidUniform>,
+    /// Ellipsoids of other clouds, in this cloud's frame.
+    others: Vec<EllipsoidUniform>,
+    pub(crate) optics: CloudOptics,
+    pub(crate) noise: NoiseFrame,
+}
+
+impl Frame {
+    /// `scene` at its own time, for a picture of `size` pixels.
+    ///
+    /// # Errors
+    /// Where a value of the scene is out of its range.
+    pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
+        scene.validate()?;
+        let camera = scene.camera();
+        let mut moved = scene.clone();
+        let blown = scene.wind.velocity * scene.time;
+        for ellipsoid in moved.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
+            ellipsoid.center += blown;
+        }
+        Ok(Self {
+            camera: CameraUniform::new(&camera, scene.ground.altitude, size),
+            camera_position: camera.position,
+            to_sun: scene.sun.to_sun(),
+            clouds: clouds(&moved)?,
+            scene: moved,
+        })
+    }
+
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.camera.size.map(|x| x as u32)
+    }
+}
+
+impl CloudFrame {
+    /// The cloud's ellipsoids, then those of others that light along `along` meets first.
+    pub(super) fn with_occluders(&self, along: DVec3) -> Vec<EllipsoidUniform> {
+        let along = along.as_vec3();
+        let radius = self.half.length() as f32;
+        let shades = |e: &&EllipsoidUniform| {
+            let reach = e.largest_radius() + radius;
+            let ahead = e.center.dot(along);
+            let aside = (e.center - ahead * along).length();
+            aside < reach && ahead < reach
+        };
+        self.ellipsoids.iter().chain(self.others.iter().filter(shades)).copied().collect()
+    }
+}
+
+fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
+    let mut frames = Vec::new();
+    for (index, cloud) in scene.clouds.iter().enumerate() {
+        let Some((min, max)) = cloud.bounds() else { continue };
+        let origin = 0.5 * (min + max);
+        let others = scene.clouds.iter().enumerate().filter(|(other, _)| *other != index);
+        let in_frame = |cloud| move |e| EllipsoidUniform::new(cloud, e, origin);
+        frames.push(CloudFrame {
+            origin,
+            half: 0.5 * (max - min),
+            ellipsoids: cloud.ellipsoids.iter().map(in_frame(cloud)).collect(),
+            others: others.flat_map(|(_, other)| other.ellipsoids.iter().map(in_frame(other))).collect(),
+            optics: CloudOptics::new(&cloud.droplets)?,
+            noise: NoiseFrame::new(&scene.noise, origin),
+        });
+    }
+    Ok(frames)
+}

@@ -1,0 +1,191 @@
+//! The noise volume: made once per seed, on the CPU, from the gradient and cellular
+//! noise of the crate `noise` on a lattice that repeats.
+//!
+//! Kol reads one octave from each mip level of a volume of white noise, ten reads a
+//! sample [K 3.74]. Here three octaves are summed beforehand, so that two reads give six
+//! octaves, and the mip chain is left for what it is good at: leaving out what a pixel
+//! cannot show.
+
+use glam::{DQuat, DVec3, Vec4};
+use half::f16;
+use noise::{
+    Vector3,
+    core::{
+        perlin::perlin_3d,
+        worley::{ReturnType, distance_functions::euclidean_squared, worley_3d},
+    },
+    permutationtable::{NoiseHasher, PermutationTable},
+};
+use rayon::prelude::*;
+
+use crate::{gpu, scene};
+
+/// Texels along an edge of the volume.
+pub const SIZE: u32 = 64;
+/// Lattice cells along an edge, for each octave: the volume repeats exactly.
+const CELLS: [u32; 3] = [4, 8, 16];
+/// Amplitude of each octave in proportion to the one before.
+const GAIN: f32 = 0.5;
+/// Standard deviation of the sum of octaves; what is beyond [-1, 1] is cut.
+const DEVIATION: f32 = 0.55;
+
+/// `NoiseFrame` of `shaders/lib/noise.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct NoiseFrame {
+    coarse_x: Vec4,
+    coarse_y: Vec4,
+    coarse_z: Vec4,
+    fine_x: Vec4,
+    fine_y: Vec4,
+    fine_z: Vec4,
+    fine_weight: f32,
+    texels_per_metre: f32,
+    padding: [f32; 2],
+}
+
+/// Ratio of the fine look-up's frequency to the coarse one's [K 3.4.6].
+const FINE: f64 = 8.0;
+
+impl NoiseFrame {
+    /// The look-up for a cloud whose frame has its origin at `origin` in the world. The
+    /// volume's periods are taken out here, in double precision.
+    pub fn new(noise: &scene::Noise, origin: DVec3) -> Self {
+        let period = noise.scale * f64::from(CELLS[0]);
+        let turned = noise.rotation;
+        // The fine octaves are turned against the coarse ones, so that their lattices
+        // do not line up, and slide along a diagonal as the noise evolves.
+        let apart = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.9);
+        let slide = DVec3::new(0.36, 0.8, 0.48) * noise.evolution;
+        let coarse = rows(turned, period, origin - noise.offset);
+        let fine = rows(apart * turned, period / FINE, origin - noise.offset - slide);
+        Self {
+            coarse_x: coarse[0],
+            coarse_y: coarse[1],
+            coarse_z: coarse[2],
+            fine_x: fine[0],
+            fine_y: fine[1],
+            fine_z: fine[2],
+            fine_weight: noise.detail as f32,
+            texels_per_metre: (f64::from(SIZE) / period) as f32,
+            padding: [0.0; 2],
+        }
+    }
+}
+
+fn rows(turn: DQuat, period: f64, origin: DVec3) -> [Vec4; 3] {
+    let start = turn * origin / period;
+    [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
+        let row = turn.inverse() * axis / period;
+        row.extend(start.dot(axis).rem_euclid(1.0)).as_vec4()
+    })
+}
+
+/// Billows and wisps in [-1, 1], in order x, y, z: mean 0, each octave normalised.
+pub fn bake(seed: u32) -> Vec<[f32; 2]> {
+    let wisps = sum_octaves(seed, |point, hasher| perlin_3d(point, hasher));
+    let billows = sum_octaves(seed.wrapping_add(1), |point, hasher| {
+        -worley_3d(hasher, euclidean_squared, ReturnType::Distance, point)
+    });
+    billows.into_iter().zip(wisps).map(|(billow, wisp)| [billow, wisp]).collect()
+}
+
+/// The permutation table of the crate, on a lattice that repeats.
+struct Periodic {
+    table: PermutationTable,
+    period: isize,
+}
+
+impl NoiseHasher for Periodic {
+    fn hash(&self, cell: &[isize]) -> usize {
+        let mut wrapped = [0; 3];
+        for (wrapped, coordinate) in wrapped.iter_mut().zip(cell) {
+            *wrapped = coordinate.rem_euclid(self.period);
+        }
+        self.table.hash(&wrapped)
+    }
+}
+
+fn sum_octaves(seed: u32, noise: impl Fn(Vector3<f64>, &Periodic) -> f64 + Sync) -> Vec<f32> {
+    let mut sum = vec![0.0; (SIZE * SIZE * SIZE) as usize];
+    for (octave, cells) in CELLS.into_iter().enumerate() {
+        let table = PermutationTable::new(seed.wrapping_mul(31).wrapping_add(octave as u32));
+        let hasher = Periodic { table, period: cells as isize };
+        let amplitude = GAIN.powi(octave as i32);
+        let values = normalised(octave_values(cells, |point| noise(point, &hasher)));
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += amplitude * value);
+    }
+    normalised(sum).into_iter().map(|value| (DEVIATION * value).clamp(-1.0, 1.0)).collect()
+}
+
+fn octave_values(cells: u32, noise: impl Fn(Vector3<f64>) -> f64 + Sync) -> Vec<f32> {
+    let step = f64::from(cells) / f64::from(SIZE);
+    (0..SIZE * SIZE * SIZE)
+        .into_par_iter()
+        .map(|i| {
+            let texel = [i % SIZE, i / SIZE % SIZE, i / (SIZE * SIZE)];
+            noise(Vector3::from(texel.map(|x| (f64::from(x) + 0.5) * step))) as f32
+        })
+        .collect()
+}
+
+/// Mean 0, variance 1.
+fn normalised(values: Vec<f32>) -> Vec<f32> {
+    let count = values.len() as f64;
+    let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / count;
+    let variance = values.iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>() / count;
+    let scale = 1.0 / variance.sqrt().max(1e-12);
+    values.into_iter().map(|x| ((f64::from(x) - mean) * scale) as f32).collect()
+}
+
+/// Uploads the baked noise with its mip chain, as half floats.
+pub(super) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, seed: u32) -> wgpu::Texture {
+    let texture = gpu::texture(
+        device,
+        &gpu::TextureDesc {
+            label: "noise",
+            size: [SIZE; 3],
+            mips: SIZE.ilog2() + 1,
+            format: wgpu::TextureFormat::Rg16Float,
+            usage: wgpu::TextureUsages::empty(),
+        },
+    );
+    let mut level = bake(seed);
+    let mut size = SIZE;
+    for mip in 0..texture.mip_level_count() {
+        write_level(queue, &texture, mip, size, &level);
+        size /= 2;
+        level = halved(&level, size);
+    }
+    texture
+}
+
+fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32, level: &[[f32; 2]]) {
+    let texels: Vec<[f16; 2]> = level.iter().map(|texel| texel.map(f16::from_f32)).collect();
+    queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: mip,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+        },
+        bytemuck::cast_slice(&texels),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size), rows_per_image: Some(size) },
+        wgpu::Extent3d { width: size, height: size, depth_or_array_layers: size },
+    );
+}
+
+/// Means of eight texels, for an edge of `size` texels.
+fn halved(level: &[[f32; 2]], size: u32) -> Vec<[f32; 2]> {
+    let at = |x: u32, y: u32, z: u32| level[((z * 2 * size + y) * 2 * size + x) as usize];
+    let mean = |i: u32| {
+        let (x, y, z) = (2 * (i % size), 2 * (i / size % size), 2 * (i / (size * size)));
+        let mut sum = [0.0; 2];
+        for corner in 0..8 {
+            let texel = at(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
+            sum = [sum[0] + texel[0], sum[1] + texel[1]];
+        }
+        sum.map(|sum| sum / 8.0)
+    };
+    (0..size * size * size).map(mean).collect()
+}

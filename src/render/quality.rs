@@ -1,0 +1,68 @@
+//! How much work a picture gets. Presets are values; anyone can make another.
+
+/// Numbers that trade error against time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    /// First step behind an edge, as a share of the boundary's thickness.
+    pub first_step: f32,
+    /// Growth of the steps from one to the next: logarithmic spacing.
+    pub growth: f32,
+    /// Longest step in a boundary, as a share of its thickness.
+    pub longest_step: f32,
+    /// A ray ends where a smaller share than this gets through.
+    pub opaque: f32,
+    /// Density samples towards the sun for each sample of a ray.
+    pub sun_samples: u32,
+    /// Texels across the largest cloud's sun maps and light volume: a power of two.
+    pub light_resolution: u32,
+    /// Most steps of a ray.
+    pub max_steps: u32,
+    /// Whether rays start at random fractions of a step, to trade bands for grain.
+    pub jitter: bool,
+}
+
+impl Quality {
+    /// While things move.
+    pub const DRAFT: Self = Self {
+        first_step: 0.16,
+        growth: 1.3,
+        longest_step: 0.5,
+        opaque: 0.02,
+        sun_samples: 1,
+        light_resolution: 32,
+        max_steps: 128,
+        jitter: true,
+    };
+    /// For judging light and shape.
+    pub const PREVIEW: Self = Self {
+        first_step: 0.08,
+        growth: 1.15,
+        longest_step: 0.3,
+        opaque: 0.01,
+        sun_samples: 2,
+        light_resolution: 64,
+        max_steps: 256,
+        jitter: true,
+    };
+    /// For keeping.
+    pub const FINAL: Self = Self {
+        first_step: 0.03,
+        growth: 1.06,
+        longest_step: 0.12,
+        opaque: 0.003,
+        sun_samples: 4,
+        light_resolution: 128,
+        max_steps: 768,
+        jitter: false,
+    };
+
+    /// Names of the presets with their values.
+    pub const PRESETS: [(&'static str, Self); 3] =
+        [("draft", Self::DRAFT), ("preview", Self::PREVIEW), ("final", Self::FINAL)];
+}
+
+impl Default for Quality {
+    fn default() -> Self {
+        Self::FINAL
+    }
+}

@@ -1,0 +1,444 @@
+//! The renderer: keeps what outlives a frame, and records a frame's passes.
+
+use super::{
+    Counts, Quality,
+    camera::CameraUniform,
+    clouds::{CloudsPass, Draw, Shared},
+    compose::Compose,
+    frame::{CloudFrame, Frame},
+    light::{CloudLight, Inputs, LightPass},
+    noise,
+    sky::{Sky, SkySettings},
+    stats::Counters,
+};
+use crate::{
+    Result,
+    gpu::{self, Gpu, TextureDesc, Timing},
+};
+
+/// How light inside a cloud is found.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Transport {
+    /// Sunlight scattered once, and the light of sky and ground.
+    Single,
+    /// The same, and sunlight scattered more often as in a slab fitted to the cloud,
+    /// in the closed form of delta-Eddington.
+    #[default]
+    DeltaEddington,
+}
+
+impl Transport {
+    /// Names and values.
+    pub const ALL: [(&'static str, Self); 2] =
+        [("single", Self::Single), ("delta-eddington", Self::DeltaEddington)];
+}
+
+/// Where a picture goes.
+pub struct Target<'a> {
+    /// A view of a linear texture of the renderer's format and the frame's size. What it
+    /// holds stays behind the clouds.
+    pub color: &'a wgpu::TextureView,
+    /// What the caller drew there before: clouds end at it.
+    pub depth: Option<SceneDepth<'a>>,
+    /// Whether to draw the sky first, over everything.
+    pub sky: bool,
+}
+
+/// A depth buffer of the caller's, drawn with the frame's camera.
+pub struct SceneDepth<'a> {
+    /// A view of a depth texture, depth aspect, that can be sampled.
+    pub view: &'a wgpu::TextureView,
+    /// Distance of the near plane, m.
+    pub near: f32,
+    /// Distance of the far plane, m; may be infinite.
+    pub far: f32,
+    /// Whether depth is 1 at the near plane and 0 at the far one.
+    pub reversed: bool,
+}
+
+impl SceneDepth<'_> {
+    /// (x, y, z) such that the distance along the view axis is x / (y + z depth), or
+    /// x + y depth for an orthographic camera.
+    pub(super) fn coefficients(&self, camera: &CameraUniform) -> [f32; 4] {
+        let (near, far) = (self.near, self.far);
+        if camera.projection == CameraUniform::ORTHOGRAPHIC {
+            let (zero, one) = if self.reversed { (far, near) } else { (near, far) };
+            return [zero, one - zero, 0.0, 0.0];
+        }
+        // 1/distance is linear in depth: 1/near at the near plane, 1/far at the far one.
+        let (zero, one) = if self.reversed { (1.0 / far, 1.0 / near) } else { (1.0 / near, 1.0 / far) };
+        [1.0, zero, one - zero, 0.0]
+    }
+}
+
+/// The light of a picture apart, all premultiplied by the alpha in their fourth channel:
+/// beauty = sky (1 - alpha) + single + multiple + air.
+pub struct Layers {
+    /// Sky, sun and ground without clouds.
+    pub sky: wgpu::Texture,
+    /// Sunlight scattered once in the clouds.
+    pub single: wgpu::Texture,
+    /// Light scattered more often, sky and ground light included.
+    pub multiple: wgpu::Texture,
+    /// Light scattered by the air in front of the clouds.
+    pub air: wgpu::Texture,
+    /// Distance of the clouds in kilometres, in the first three channels.
+    pub distance: wgpu::Texture,
+    /// Which way the clouds face: a unit vector of the world where alpha is 1.
+    pub normal: wgpu::Texture,
+}
+
+/// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
+/// clouds, and redoes only what a frame changed.
+pub struct Renderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    format: wgpu::TextureFormat,
+    /// How much work a picture gets.
+    pub quality: Quality,
+    /// How light inside a cloud is found.
+    pub transport: Transport,
+    /// Whether to count work; slower.
+    pub counting: bool,
+    /// Times the passes where the adapter can.
+    pub timing: Option<Timing>,
+    noise: Option<(u32, wgpu::TextureView)>,
+    lights: Vec<Option<CloudLight>>,
+    redone: u32,
+    sky: Sky,
+    light_pass: LightPass,
+    clouds: CloudsPass,
+    compose: Option<(wgpu::TextureFormat, Compose)>,
+    counters: Counters,
+    repeat: wgpu::Sampler,
+    clamped: wgpu::Sampler,
+    no_depth: wgpu::TextureView,
+}
+
+/// Tiles of one submission: some 100 ms on two CPU cores.
+const PIECE: u32 = 256;
+
+const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+impl Renderer {
+    /// A renderer into textures of `format`, which should hold linear light:
+    /// `Rgba16Float` unless there is a reason.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            format,
+            quality: Quality::default(),
+            transport: Transport::default(),
+            counting: false,
+            timing: None,
+            noise: None,
+            lights: Vec::new(),
+            redone: 0,
+            sky: Sky::new(device),
+            light_pass: LightPass::new(device),
+            clouds: CloudsPass::new(device),
+            compose: None,
+            counters: Counters::new(device),
+            repeat: gpu::linear_repeat(device),
+            clamped: gpu::linear_clamp(device),
+            no_depth: no_depth(device),
+        }
+    }
+
+    /// Records the passes that draw `frame` into `target`.
+    pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
+        let draws = self.begin(encoder, frame, target);
+        for draw in &draws {
+            self.draw_clouds(encoder, draw, 0..draw.tiles, &[target.color], self.format);
+        }
+        self.end(encoder);
+    }
+
+    /// Does the same in pieces, each submitted and finished by itself, so that slow
+    /// adapters do not run into their driver's time limit; tells the share done.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_in_pieces(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        target: &Target<'_>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let mut encoder = self.encoder();
+        let draws = self.begin(&mut encoder, frame, target);
+        self.submit_pieces(gpu, encoder, &draws, &[target.color], self.format, progress)
+    }
+
+    /// Draws the light of `frame` apart, in pieces.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_layers(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Layers> {
+        let mut encoder = self.encoder();
+        self.prepare(&mut encoder, frame);
+        let [sky, single, multiple, air, distance, normal] =
+            ["sky", "single", "multiple", "air", "distance", "normal"]
+                .map(|label| self.picture(label, frame.size(), HDR));
+        self.sky.draw(&self.device, &mut encoder, &view(&sky), HDR, self.timing.as_ref());
+        let targets = [&single, &multiple, &air, &distance, &normal].map(view);
+        for target in &targets {
+            clear(&mut encoder, target);
+        }
+        let draws = self.draws(frame, None, "normals", HDR);
+        self.submit_pieces(gpu, encoder, &draws, &[&targets[4]], HDR, &mut |share| progress(0.2 * share))?;
+        let draws = self.draws(frame, None, "layers", HDR);
+        let lit = [&targets[0], &targets[1], &targets[2], &targets[3]];
+        self.submit_pieces(gpu, self.encoder(), &draws, &lit, HDR, &mut |share| progress(0.2 + 0.8 * share))?;
+        Ok(Layers { sky, single, multiple, air, distance, normal })
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&Default::default())
+    }
+
+    fn begin(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) -> Vec<Draw> {
+        self.prepare(encoder, frame);
+        if target.sky {
+            self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
+        }
+        self.draws(frame, target.depth.as_ref(), "beauty", self.format)
+    }
+
+    fn end(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(timing) = &self.timing {
+            timing.resolve(encoder);
+        }
+    }
+
+    fn submit_pieces(
+        &self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+        draws: &[Draw],
+        targets: &[&wgpu::TextureView],
+        format: wgpu::TextureFormat,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let total: u32 = draws.iter().map(|draw| draw.tiles).sum();
+        let mut done = 0;
+        for draw in draws {
+            for first in (0..draw.tiles).step_by(PIECE as usize) {
+                let last = (first + PIECE).min(draw.tiles);
+                self.draw_clouds(&mut encoder, draw, first..last, targets, format);
+                let full = std::mem::replace(&mut encoder, self.encoder());
+                self.queue.submit([full.finish()]);
+                gpu.finish("drawing clouds")?;
+                done += last - first;
+                progress(f64::from(done) / f64::from(total));
+            }
+        }
+        self.end(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+        gpu.finish("drawing clouds")
+    }
+
+    /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
+    pub fn compose(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &wgpu::TextureView,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        stops: f64,
+    ) {
+        if self.compose.as_ref().is_none_or(|(known, _)| *known != format) {
+            self.compose = Some((format, Compose::new(&self.device, format)));
+        }
+        if let Some((_, compose)) = &self.compose {
+            compose.draw(&self.device, encoder, picture, target, stops);
+        }
+    }
+
+    /// A texture that can be drawn into, sampled and read back.
+    pub fn picture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        gpu::texture(&self.device, &TextureDesc { label, size: [width, height, 0], mips: 1, format, usage })
+    }
+
+    /// Work of the last frame that was drawn while `counting` was on.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
+        self.counters.read(gpu)
+    }
+
+    /// How many volumes and tables of light this renderer has made so far: a frame that
+    /// changes nothing adds none.
+    pub fn light_updates(&self) -> u32 {
+        self.redone
+    }
+
+    fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        if self.counting {
+            self.counters.clear(encoder);
+        }
+        let settings = SkySettings::new(&frame.scene, frame.to_sun);
+        let redone = self.sky.prepare(
+            &self.device,
+            &self.queue,
+            encoder,
+            &settings,
+            &frame.camera,
+            self.timing.as_ref(),
+        );
+        self.redone += redone.count();
+        self.prepare_noise(frame.scene.noise.seed);
+        self.prepare_lights(encoder, frame);
+    }
+
+    fn prepare_noise(&mut self, seed: u32) {
+        if self.noise.as_ref().is_none_or(|(known, _)| *known != seed) {
+            let volume = noise::upload(&self.device, &self.queue, seed);
+            self.noise = Some((seed, view(&volume)));
+        }
+    }
+
+    fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        let Some((seed, noise_volume)) = &self.noise else { return };
+        let largest = frame.clouds.iter().map(|cloud| cloud.half.length()).fold(0.0, f64::max);
+        let mut before = std::mem::take(&mut self.lights).into_iter();
+        for cloud in &frame.clouds {
+            let inputs = Inputs {
+                device: &self.device,
+                noise_volume,
+                repeat: &self.repeat,
+                seed: *seed,
+                to_sun: frame.to_sun,
+                resolution: self.resolution(cloud, largest),
+                sky_light: self.sky.lights(),
+                timing: self.timing.as_ref(),
+            };
+            let kept = before.next().flatten();
+            let light = self.light_pass.prepare(encoder, &inputs, cloud, kept, &mut self.redone);
+            self.lights.push(Some(light));
+        }
+    }
+
+    /// Smaller clouds get smaller maps: voxels of about one size in a scene.
+    fn resolution(&self, cloud: &CloudFrame, largest: f64) -> u32 {
+        let share = cloud.half.length() / largest.max(1e-6);
+        let wanted = (share * f64::from(self.quality.light_resolution)) as u32;
+        wanted.next_power_of_two().clamp(16, self.quality.light_resolution.max(16))
+    }
+
+    /// The clouds in the picture, far ones first.
+    fn draws(
+        &mut self,
+        frame: &Frame,
+        depth: Option<&SceneDepth<'_>>,
+        entry: &'static str,
+        format: wgpu::TextureFormat,
+    ) -> Vec<Draw> {
+        let Some((_, noise_volume)) = &self.noise else { return Vec::new() };
+        let shared = Shared {
+            device: &self.device,
+            queue: &self.queue,
+            frame,
+            quality: &self.quality,
+            transport: self.transport,
+            camera: gpu::uniform_buffer(&self.device, "camera", &frame.camera.jittered(self.quality.jitter)),
+            noise_volume,
+            repeat: &self.repeat,
+            clamped: &self.clamped,
+            transmittance: self.sky.transmittance(),
+            sky_light: self.sky.sky_light(),
+            aerial: self.sky.aerial(),
+            aerial_range: self.sky.aerial_range(),
+            air: self.sky.atmosphere(),
+            depth,
+            no_depth: &self.no_depth,
+            counters: &self.counters,
+            counting: self.counting,
+            atmosphere: self.sky.has_atmosphere(),
+            lit_by_sky: self.sky.lights(),
+        };
+        let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
+        let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();
+        order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
+        order
+            .into_iter()
+            .filter_map(|i| {
+                let light = self.lights.get(i)?.as_ref()?;
+                self.clouds.prepare(&shared, &frame.clouds[i], light, entry, format)
+            })
+            .collect()
+    }
+
+    fn draw_clouds(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        draw: &Draw,
+        tiles: std::ops::Range<u32>,
+        targets: &[&wgpu::TextureView],
+        format: wgpu::TextureFormat,
+    ) {
+        let attachments: Vec<_> =
+            targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clouds"),
+            color_attachments: &attachments,
+            timestamp_writes: self.timing.as_ref().and_then(|timing| timing.render("clouds")),
+            ..Default::default()
+        });
+        self.clouds.draw(&mut pass, format, draw, tiles);
+    }
+}
+
+fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&Default::default())
+}
+
+fn attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    }
+}
+
+fn clear(encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView) {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("clear"),
+        color_attachments: &[Some(attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)))],
+        ..Default::default()
+    });
+}
+
+/// Stands in where the caller drew nothing; the shader doesn't read it.
+fn no_depth(device: &wgpu::Device) -> wgpu::TextureView {
+    let texture = gpu::texture(
+        device,
+        &TextureDesc {
+            label: "no depth",
+            size: [1, 1, 0],
+            mips: 1,
+            format: wgpu::TextureFormat::Depth32Float,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        },
+    );
+    view(&texture)
+}

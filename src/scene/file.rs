@@ -1,0 +1,151 @@
+//! Scene files: JSON in, JSON out, and the schema that describes it.
+
+use std::fs;
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use schemars::schema_for;
+use serde_json::Value;
+
+use super::explain::{explain, not_json};
+use super::{FORMAT, Scene, validate};
+use crate::files::write_whole;
+use crate::{Error, Result};
+
+/// Largest scene file, bytes: many times what the greatest scene needs.
+const MAX_BYTES: u64 = 64 << 20;
+
+impl Scene {
+    /// Reads a scene from JSON, makes its quaternions unit length and validates it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with the JSON path of the first problem, what was found and
+    /// what was expected; with line and column where the text is no JSON.
+    pub fn from_json(text: &str) -> Result<Self> {
+        // Editors on Windows put a byte order mark before the text.
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut reader = serde_json::Deserializer::from_str(text);
+        let mut scene: Self = serde_path_to_error::deserialize(&mut reader)
+            .map_err(|error| explain(text, error.path(), error.inner()))?;
+        reader.end().map_err(|error| not_json(&error))?;
+        refuse_positional(text, &scene)?;
+        scene.normalise();
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// Reads a scene file; `-` reads the standard input.
+    ///
+    /// # Errors
+    /// [`Error::File`] where the file cannot be read, [`Error::Format`] where it is
+    /// too large, otherwise as [`Scene::from_json`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let text =
+            read(path).map_err(|source| Error::File { action: "read", path: path.to_owned(), source })?;
+        if text.len() as u64 > MAX_BYTES {
+            return Err(Error::Format {
+                path: path.to_owned(),
+                problem: format!("is larger than {} MiB: no scene file", MAX_BYTES >> 20),
+            });
+        }
+        Self::from_json(&text)
+    }
+
+    /// The scene as JSON: indented, vectors on one line, fields in the order of the
+    /// types, a newline at the end.
+    ///
+    /// [`Scene::from_json`] gives back the same scene, to the last bit of each number,
+    /// where the scene is valid.
+    pub fn to_json(&self) -> String {
+        let text = serde_json::to_string_pretty(self)
+            .expect("a scene holds only numbers, text and lists, with text as keys");
+        vectors_on_one_line(&text)
+    }
+
+    /// Validates the scene and writes it as JSON.
+    ///
+    /// Other programs see the old file or the new one, never a half: the text goes to
+    /// a file beside it, which then takes its name. After an error the old file is as it was.
+    ///
+    /// # Errors
+    /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.validate()?;
+        write_whole(path.as_ref(), |file| file.write_all(self.to_json().as_bytes()))
+    }
+
+    /// Makes quaternions unit length; those without a direction are left to validation.
+    fn normalise(&mut self) {
+        self.noise.rotation = validate::unit(self.noise.rotation);
+        for ellipsoid in self.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
+            ellipsoid.orientation = validate::unit(ellipsoid.orientation);
+        }
+    }
+}
+
+/// The JSON Schema (draft 2020-12) of scene files.
+///
+/// It knows fields, types and ranges. What only [`Scene::validate`] knows: vectors
+/// that must have a direction, the readable time, the number of ellipsoids overall.
+pub fn schema() -> Value {
+    let mut schema = schema_for!(Scene);
+    schema.insert("title".to_owned(), format!("nephos scene, format {FORMAT}").into());
+    schema.to_value()
+}
+
+/// Indented JSON with every list of numbers on one line, as people write vectors.
+fn vectors_on_one_line(text: &str) -> String {
+    let is_number = |line: &str| line.trim_end_matches(',').parse::<f64>().is_ok();
+    let mut joined = String::with_capacity(text.len());
+    let mut in_vector = false;
+    let mut lines = text.lines().peekable();
+    // No string breaks a line or ends one with a bracket: those are of lists.
+    while let Some(line) = lines.next() {
+        joined.push_str(if in_vector { line.trim_start() } else { line });
+        let next = lines.peek().map_or("", |next| next.trim_start());
+        let opens = line.ends_with('[') && is_number(next);
+        in_vector = opens || (in_vector && is_number(line.trim_start()));
+        match in_vector {
+            false => joined.push('\n'),
+            true if line.ends_with(',') => joined.push(' '),
+            true => {}
+        }
+    }
+    joined
+}
+
+fn read(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    if path == Path::new("-") {
+        io::stdin().take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    } else {
+        fs::File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    }
+    Ok(text)
+}
+
+/// Refuses lists where the schema wants objects: the reader would take the fields by
+/// position, and no file should depend on their order.
+fn refuse_positional(text: &str, scene: &Scene) -> Result<()> {
+    let (Ok(found), Ok(own)) = (serde_json::from_str(text), serde_json::to_value(scene)) else {
+        return Ok(());
+    };
+    refuse_lists_for_objects(&found, &own, validate::At::Root)
+}
+
+fn refuse_lists_for_objects(found: &Value, own: &Value, at: validate::At) -> Result<()> {
+    match (found, own) {
+        (Value::Array(_), Value::Object(_)) => Err(at.problem("found a list, expected an object {...}")),
+        (Value::Array(found), Value::Array(own)) => found
+            .iter()
+            .zip(own)
+            .enumerate()
+            .try_for_each(|(i, (found, own))| refuse_lists_for_objects(found, own, at.index(i))),
+        (Value::Object(found), Value::Object(own)) => found.iter().try_for_each(|(name, found)| {
+            let own = own.get(name).unwrap_or(&Value::Null);
+            refuse_lists_for_objects(found, own, at.field(name))
+        }),
+        _ => Ok(()),
+    }
+}

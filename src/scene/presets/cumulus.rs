@@ -1,0 +1,180 @@
+//! The cumulus family, from fair weather to thunderstorm.
+
+use glam::DVec3;
+
+use super::dice::Dice;
+use super::heap::{Edges, Growth, Heap};
+use crate::scene::Cloud;
+
+/// How a cumulus grows: a flat layer, a trunk on it, heaps upon both. Lengths in metres.
+pub(super) struct Recipe {
+    name: &'static str,
+    /// Altitude of the base.
+    base: f64,
+    layer: Layer,
+    /// Lumps one above the other: height of the centre above the base, radius.
+    trunk: &'static [(f64, f64)],
+    generations: &'static [Growth],
+    edges: Edges,
+}
+
+/// Flat lumps side by side on the base.
+struct Layer {
+    count: usize,
+    /// Radius of the largest.
+    radius: f64,
+    /// Distance of the outermost from the axis.
+    spread: f64,
+    /// Height over width.
+    flatness: f64,
+}
+
+/// Fair weather: 200 to 500 m wide, wider than tall.
+#[rustfmt::skip]
+pub(super) const HUMILIS: Recipe = Recipe {
+    name: "humilis",
+    base: 1000.0,
+    layer: Layer { count: 6, radius: 72.0, spread: 105.0, flatness: 0.6 },
+    trunk: &[(60.0, 60.0)],
+    generations: &[
+        Growth { children: (3, 4), up: 0.5, out: 0.1 },
+        Growth { children: (1, 2), up: 0.6, out: 0.2 },
+    ],
+    edges: Edges { boundary: 20.0, base: 0.4, top: 0.2 },
+};
+
+/// About as tall as wide, 800 m.
+#[rustfmt::skip]
+pub(super) const MEDIOCRIS: Recipe = Recipe {
+    name: "mediocris",
+    base: 1000.0,
+    layer: Layer { count: 6, radius: 190.0, spread: 230.0, flatness: 0.7 },
+    trunk: &[(240.0, 220.0), (420.0, 190.0), (560.0, 140.0)],
+    generations: &[
+        Growth { children: (3, 4), up: 0.4, out: 0.2 },
+        Growth { children: (1, 1), up: 0.6, out: 0.3 },
+    ],
+    edges: Edges { boundary: 40.0, base: 0.35, top: 0.15 },
+};
+
+/// A tower of 2 to 3 km, taller than wide, with cauliflower turrets.
+#[rustfmt::skip]
+pub(super) const CONGESTUS: Recipe = Recipe {
+    name: "congestus",
+    base: 1000.0,
+    layer: Layer { count: 5, radius: 400.0, spread: 480.0, flatness: 0.6 },
+    trunk: &[(550.0, 500.0), (950.0, 450.0), (1350.0, 420.0), (1700.0, 360.0), (2000.0, 280.0)],
+    generations: &[
+        Growth { children: (3, 4), up: 0.3, out: 0.4 },
+        Growth { children: (0, 1), up: 0.5, out: 0.4 },
+    ],
+    edges: Edges { boundary: 70.0, base: 0.35, top: 0.05 },
+};
+
+/// A thunderstorm: the tower that carries the anvil, 6 to 9 km in all.
+#[rustfmt::skip]
+pub(super) const CUMULONIMBUS: Recipe = Recipe {
+    name: "cumulonimbus",
+    base: 1000.0,
+    layer: Layer { count: 5, radius: 1300.0, spread: 1700.0, flatness: 0.45 },
+    trunk: &[
+        (1400.0, 1600.0), (2600.0, 1450.0), (3700.0, 1350.0),
+        (4700.0, 1300.0), (5700.0, 1350.0), (6500.0, 1400.0),
+    ],
+    generations: &[
+        Growth { children: (3, 4), up: 0.2, out: 0.3 },
+    ],
+    edges: Edges { boundary: 180.0, base: 0.35, top: 0.1 },
+};
+
+impl Recipe {
+    /// The cloud that grows by this recipe.
+    pub fn grow(&self, dice: &mut Dice) -> Cloud {
+        let mut heap = Heap::on(self.base);
+        self.layer.lay(dice, &mut heap);
+        self.raise_trunk(dice, &mut heap);
+        for generation in self.generations {
+            heap.grow(dice, generation);
+        }
+        heap.into_cloud(self.name, &self.edges)
+    }
+
+    /// Lumps one above the other, the axis wandering a little.
+    fn raise_trunk(&self, dice: &mut Dice, heap: &mut Heap) {
+        let mut axis = DVec3::ZERO;
+        for &(height, radius) in self.trunk {
+            axis += 0.35 * radius * dice.disc();
+            let radius = radius * dice.between(0.9, 1.1);
+            let shape = DVec3::new(dice.between(0.9, 1.1), 0.85, dice.between(0.9, 1.1));
+            heap.put(dice, axis + DVec3::Y * (self.base + height), radius * shape);
+        }
+    }
+}
+
+impl Layer {
+    fn lay(&self, dice: &mut Dice, heap: &mut Heap) {
+        for i in 0..self.count {
+            let across = 2.0 * (i as f64 + 0.5) / self.count as f64 - 1.0;
+            let jitter = dice.disc();
+            let p = self.spread * DVec3::new(1.2 * across + 0.2 * jitter.x, 0.0, 0.7 * jitter.z);
+            // The middle is the largest.
+            let size = self.radius * dice.between(0.8, 1.0) * (1.0 - 0.25 * across * across);
+            let shape = DVec3::new(dice.between(0.95, 1.15), self.flatness, dice.between(0.85, 1.05));
+            heap.lay(dice, p, size * shape);
+        }
+    }
+}
+
+/// A thunderstorm with its anvil.
+pub(super) fn cumulonimbus(dice: &mut Dice) -> Cloud {
+    let mut cloud = CUMULONIMBUS.grow(dice);
+    cloud.ellipsoids.extend(anvil(dice).ellipsoids);
+    cloud
+}
+
+/// Thin wispy sheets of ice around the top of the tower, drawn out downwind (east).
+fn anvil(dice: &mut Dice) -> Cloud {
+    const SHEETS: usize = 14;
+    let mut heap = Heap::on(6600.0);
+    for i in 0..SHEETS {
+        let along = i as f64 / (SHEETS - 1) as f64;
+        let jitter = dice.disc();
+        let width = 2000.0 - 700.0 * along;
+        let p = DVec3::new(
+            -1600.0 + 6400.0 * along + 500.0 * jitter.x,
+            7450.0 + 250.0 * along + dice.between(-120.0, 120.0),
+            width * jitter.z,
+        );
+        let size = dice.between(0.8, 1.1) * (1.0 - 0.3 * along);
+        let radii = size * DVec3::new(1900.0, 650.0 - 250.0 * along, 1600.0);
+        heap.put(dice, p, radii);
+    }
+    let mut cloud = heap.into_cloud("anvil", &ICE);
+    for sheet in &mut cloud.ellipsoids {
+        sheet.density = 0.3;
+    }
+    cloud
+}
+
+/// Edges of an anvil: wispy all over.
+const ICE: Edges = Edges { boundary: 250.0, base: 0.85, top: 0.85 };
+
+/// Edges of a torn cloud.
+const SHREDS: Edges = Edges { boundary: 24.0, base: 0.95, top: 0.85 };
+
+/// Small torn shreds under a shower or in the morning.
+pub(super) fn fractus(dice: &mut Dice) -> Cloud {
+    let mut heap = Heap::on(600.0);
+    for _ in 0..dice.count(10, 16) {
+        let p = dice.disc() * DVec3::new(220.0, 0.0, 120.0);
+        let size = dice.between(0.5, 1.0);
+        let radii = size * DVec3::new(90.0, 26.0, 50.0);
+        let lift = dice.between(0.0, 60.0);
+        heap.put(dice, p + DVec3::Y * (600.0 + radii.y + lift), radii);
+    }
+    let mut cloud = heap.into_cloud("fractus", &SHREDS);
+    for shred in &mut cloud.ellipsoids {
+        shred.density = 0.4;
+    }
+    cloud
+}

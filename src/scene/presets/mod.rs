@@ -1,0 +1,226 @@
+//! Clouds to start from, each with a camera and a sun that suit it.
+
+mod cumulus;
+mod dice;
+mod heap;
+mod layer;
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::DVec3;
+
+use super::explain::nearest;
+use super::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition, Wind};
+use crate::{Error, Result};
+use dice::Dice;
+use heap::tenths;
+
+/// Brightness at which a cloud in the sun is nearly white, stops: its radiance is
+/// about a fifth of the irradiance per steradian.
+const SUNLIT: f64 = 2.0;
+
+/// Vertical field of view of the presets' cameras, degrees.
+const FIELD_OF_VIEW: f64 = 40.0;
+
+/// A kind of cloud, grown by chance from a seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Preset {
+    /// Fair-weather cumulus, 200 to 500 m wide, wider than tall.
+    Humilis,
+    /// Cumulus about as tall as wide, 800 m.
+    Mediocris,
+    /// Towering cumulus of 2 to 3 km with sharp cauliflower turrets.
+    Congestus,
+    /// Small torn shreds.
+    Fractus,
+    /// A field of twenty flat clouds.
+    Stratocumulus,
+    /// A thunderstorm: a tower of 6 to 9 km with an anvil.
+    Cumulonimbus,
+    /// A thin sheet from above, the sun behind the camera: glory and fogbow.
+    Glory,
+    /// One homogeneous sphere, which no seed changes.
+    Sphere,
+    /// Eight ellipsoids, 400 m wide, with a boundary of 62 m, after Kol (2013); the
+    /// seed changes only the noise.
+    Kol,
+}
+
+impl Preset {
+    /// All presets, in the order of their documentation.
+    pub const ALL: [Self; 9] = [
+        Self::Humilis,
+        Self::Mediocris,
+        Self::Congestus,
+        Self::Fractus,
+        Self::Stratocumulus,
+        Self::Cumulonimbus,
+        Self::Glory,
+        Self::Sphere,
+        Self::Kol,
+    ];
+
+    /// The name in kebab-case, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Humilis => "humilis",
+            Self::Mediocris => "mediocris",
+            Self::Congestus => "congestus",
+            Self::Fractus => "fractus",
+            Self::Stratocumulus => "stratocumulus",
+            Self::Cumulonimbus => "cumulonimbus",
+            Self::Glory => "glory",
+            Self::Sphere => "sphere",
+            Self::Kol => "kol",
+        }
+    }
+
+    /// The scene that grows from `seed`: the same on every platform and in every run.
+    pub fn scene(self, seed: u64) -> Scene {
+        let dice = &mut Dice::new(seed);
+        let mut scene = Scene {
+            name: self.name().to_owned(),
+            clouds: self.clouds(dice),
+            exposure: SUNLIT,
+            ..Scene::default()
+        };
+        scene.noise =
+            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
+        scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
+        scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
+        match self {
+            Self::Glory => aim_at_glory(&mut scene),
+            Self::Stratocumulus => look_along_the_field(&mut scene),
+            Self::Sphere => scene.wind = Wind::default(),
+            _ => {}
+        }
+        if scene.camera.is_none() {
+            scene.camera = scene.bounds().map(|bounds| portrait(bounds, scene.ground.altitude));
+        }
+        scene
+    }
+
+    fn clouds(self, dice: &mut Dice) -> Vec<Cloud> {
+        match self {
+            Self::Humilis => vec![cumulus::HUMILIS.grow(dice)],
+            Self::Mediocris => vec![cumulus::MEDIOCRIS.grow(dice)],
+            Self::Congestus => vec![cumulus::CONGESTUS.grow(dice)],
+            Self::Fractus => vec![cumulus::fractus(dice)],
+            Self::Stratocumulus => layer::stratocumulus(dice),
+            Self::Cumulonimbus => vec![cumulus::cumulonimbus(dice)],
+            Self::Glory => vec![layer::sheet(dice)],
+            Self::Sphere => vec![sphere()],
+            Self::Kol => vec![kol()],
+        }
+    }
+
+    /// Size of the largest billows, metres: about twice the boundary.
+    fn noise_scale(self) -> f64 {
+        match self {
+            Self::Humilis | Self::Glory => 45.0,
+            Self::Fractus => 60.0,
+            Self::Mediocris | Self::Stratocumulus => 90.0,
+            Self::Sphere | Self::Kol => 120.0,
+            Self::Congestus => 150.0,
+            Self::Cumulonimbus => 400.0,
+        }
+    }
+}
+
+impl fmt::Display for Preset {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Preset {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        if let Some(preset) = Self::ALL.into_iter().find(|preset| preset.name() == text) {
+            return Ok(preset);
+        }
+        let names = Self::ALL.map(Self::name);
+        let hint = match nearest(text, &names) {
+            Some(name) => format!("; did you mean `{name}`?"),
+            None => ".".to_owned(),
+        };
+        Err(Error::Argument(format!("there is no preset `{text}`{hint} Known: {}", names.join(", "))))
+    }
+}
+
+/// A homogeneous sphere of 100 m radius, optical thickness 18 through the middle.
+fn sphere() -> Cloud {
+    Cloud {
+        name: "sphere".to_owned(),
+        ellipsoids: vec![Ellipsoid::new(DVec3::new(0.0, 1000.0, 0.0), DVec3::splat(100.0))],
+        edge: Edge { boundary: 0.0, wispiness: 0.0 },
+        ..Cloud::default()
+    }
+}
+
+/// Kol's cumulus: he gives number, width and boundary [Kol 4, Fig. 4.3], not the
+/// places; these are ours. His edges are all wispy.
+fn kol() -> Cloud {
+    let lumps = [
+        ([0.0, 1075.0, 0.0], [110.0, 75.0, 95.0]),
+        ([-105.0, 1055.0, 10.0], [95.0, 55.0, 80.0]),
+        ([100.0, 1058.0, -15.0], [95.0, 58.0, 85.0]),
+        ([-40.0, 1060.0, 70.0], [90.0, 60.0, 75.0]),
+        ([50.0, 1058.0, -65.0], [90.0, 58.0, 75.0]),
+        ([-35.0, 1135.0, -10.0], [80.0, 65.0, 75.0]),
+        ([55.0, 1120.0, 15.0], [75.0, 60.0, 70.0]),
+        ([5.0, 1170.0, 5.0], [60.0, 55.0, 60.0]),
+    ];
+    Cloud {
+        name: "kol".to_owned(),
+        ellipsoids: lumps.map(|(center, radii)| Ellipsoid::new(center.into(), radii.into())).to_vec(),
+        edge: Edge { boundary: 62.0, wispiness: 0.75 },
+        ..Cloud::default()
+    }
+}
+
+/// A camera in the south, a little below the base, that fills the picture with
+/// `bounds` (metres) and keeps the horizon in the lower third; never under `ground`.
+fn portrait((min, max): super::Bounds, ground: f64) -> Camera {
+    // tan(20 degrees) and the shares of half the picture that the cloud may fill.
+    const HALF_HEIGHT: f64 = 0.364;
+    const FILL: f64 = 0.72;
+    const LEAST_SLOPE: f64 = 0.14;
+    let (middle, size) = (0.5 * (min + max), max - min);
+    let tall = 0.5 * size.y / (FILL * HALF_HEIGHT);
+    let wide = 0.5 * size.x / (FILL * HALF_HEIGHT * 16.0 / 9.0);
+    let distance = tall.max(wide) + 0.5 * size.z;
+    let below_base = min.y - 0.05 * size.y;
+    let low = middle.y - LEAST_SLOPE * distance;
+    let altitude = below_base.min(low).max(ground + 1.7);
+    camera(middle.with_y(altitude) + DVec3::Z * distance, middle)
+}
+
+/// Under the near edge of the field, so that it runs to the horizon.
+fn look_along_the_field(scene: &mut Scene) {
+    let eye = DVec3::new(0.0, 500.0, 3600.0);
+    scene.camera = Some(camera(eye, eye + DVec3::new(0.0, 210.0, -1000.0)));
+}
+
+/// From above the sheet towards the point opposite the sun, wide enough for the
+/// fogbow at 40 degrees. The direction is exact: no sine rounds it.
+fn aim_at_glory(scene: &mut Scene) {
+    let to_sun = DVec3::new(0.0, 0.8, 0.6);
+    let eye = DVec3::new(0.0, 1500.0, 0.0);
+    scene.sun = Sun { position: SunPosition::Direction(to_sun), ..Sun::default() };
+    scene.camera = Some(Camera {
+        projection: Projection::Perspective { vertical_fov_deg: 90.0 },
+        ..camera(eye, eye - 1000.0 * to_sun)
+    });
+}
+
+fn camera(position: DVec3, target: DVec3) -> Camera {
+    Camera {
+        position: tenths(position),
+        target: tenths(target),
+        roll_deg: 0.0,
+        projection: Projection::Perspective { vertical_fov_deg: FIELD_OF_VIEW },
+    }
+}

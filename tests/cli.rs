@@ -1,0 +1,178 @@
+//! The program as a user calls it: what it writes, what it refuses, what it says.
+#![cfg(feature = "cli")]
+
+use std::{fs, path::Path};
+
+use assert_cmd::Command;
+use nephos::scene::{Preset, Scene, schema};
+
+const SMALL: &str = r#"{"clouds":[{"ellipsoids":[{"center":[0,900,0],"radii":[120,70,100]}]}]}"#;
+
+fn nephos(words: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("nephos").unwrap();
+    command.args(words);
+    if let Ok(name) = std::env::var("NEPHOS_ADAPTER") {
+        if words[0] == "render" {
+            command.args(["--adapter", &name]);
+        }
+    }
+    command
+}
+
+/// Runs and gives what it wrote to the standard output; fails where the program fails.
+fn told(words: &[&str]) -> String {
+    String::from_utf8(nephos(words).assert().success().get_output().stdout.clone()).unwrap()
+}
+
+/// Runs, expects exit code `code`, and gives the complaint, which is never a panic.
+fn complaint(words: &[&str], code: i32) -> String {
+    let output = nephos(words).assert().code(code).get_output().stderr.clone();
+    let text = String::from_utf8(output).unwrap();
+    assert!(!text.contains("panicked"), "{text}");
+    text
+}
+
+fn in_folder(folder: &tempfile::TempDir, name: &str) -> String {
+    folder.path().join(name).to_str().unwrap().to_owned()
+}
+
+#[test]
+fn new_writes_the_preset_of_its_seed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = in_folder(&folder, "cloud.json");
+    told(&["new", "--preset", "congestus", "--seed", "9", "-o", &path]);
+    assert_eq!(Scene::load(&path).unwrap(), Preset::Congestus.scene(9));
+}
+
+#[test]
+fn new_overwrites_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = in_folder(&folder, "cloud.json");
+    fs::write(&path, "mine").unwrap();
+    assert!(complaint(&["new", "--preset", "kol", "-o", &path], 1).contains("--force"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+    told(&["new", "--preset", "kol", "--force", "-o", &path]);
+    assert_eq!(Scene::load(&path).unwrap(), Preset::Kol.scene(1));
+}
+
+#[test]
+fn mistyped_preset_is_answered_with_the_nearest_and_all_others() {
+    let answer = complaint(&["new", "--preset", "congestos"], 2);
+    assert!(answer.contains("'congestus'") && answer.contains("humilis"), "{answer}");
+}
+
+#[test]
+fn schema_is_written_whole() {
+    let text = told(&["schema"]);
+    assert!(text.ends_with("}\n"));
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), schema());
+}
+
+#[test]
+fn render_writes_a_png_of_the_size_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.png"));
+    fs::write(&scene, SMALL).unwrap();
+    let words =
+        ["render", &scene, "-o", &picture, "--width", "50", "--height", "30", "--quality", "draft", "--json"];
+    let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
+    assert_eq!(report["width"], 50);
+    assert_eq!(image::image_dimensions(&picture).unwrap(), (50, 30));
+}
+
+#[test]
+fn render_stats_count_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.png"));
+    fs::write(&scene, SMALL).unwrap();
+    let words = ["render", &scene, "-o", &picture, "--width", "64", "--height", "36", "--stats", "--json"];
+    let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
+    let count = |name: &str| report["counts"][name].as_u64().unwrap();
+    assert!(count("rays") >= count("rays_hit") && count("rays_hit") > 100);
+    assert_eq!(count("noise_reads"), 2 * count("density_evaluations"));
+}
+
+#[test]
+fn layers_add_up_to_the_beauty() {
+    use exr::prelude::*;
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.exr"));
+    fs::write(&scene, SMALL).unwrap();
+    let words = [
+        "render",
+        &scene,
+        "-o",
+        &picture,
+        "--width",
+        "48",
+        "--height",
+        "27",
+        "--quality",
+        "draft",
+        "--layers",
+    ];
+    told(&words);
+    let image = read_first_flat_layer_from_file(&picture).unwrap();
+    let channel = |name: &str| -> Vec<f32> {
+        let list = &image.layer_data.channel_data.list;
+        let found = list.iter().find(|channel| channel.name.to_string() == name);
+        found.unwrap_or_else(|| panic!("no channel {name}")).sample_data.values_as_f32().collect()
+    };
+    let through = channel("transmittance.Y");
+    for c in ["R", "G", "B"] {
+        let [beauty, sky, single, multiple, air] =
+            ["", "sky.", "single.", "multiple.", "air."].map(|layer| channel(&format!("{layer}{c}")));
+        for i in 0..beauty.len() {
+            let sum = sky[i] * through[i] + single[i] + multiple[i] + air[i];
+            // Each of five half floats is off by up to 1/2048.
+            assert!((beauty[i] - sum).abs() <= 4e-3 * beauty[i].abs() + 1e-4, "{c} {i}: {} {sum}", beauty[i]);
+        }
+    }
+    let depth = channel("depth.Z");
+    assert!(through.iter().zip(&depth).all(|(t, d)| *t < 1.0 || *d == 1e10));
+    assert!(depth.iter().any(|d| *d > 100.0 && *d < 1e5));
+}
+
+#[test]
+fn bad_input_ends_in_a_sentence_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = in_folder(&folder, "good.json");
+    let bad = in_folder(&folder, "bad.json");
+    fs::write(&good, SMALL).unwrap();
+    fs::write(&bad, SMALL.replace("radii", "radius")).unwrap();
+    let picture = in_folder(&folder, "out.png");
+    let cases: &[(&[&str], i32, &str)] = &[
+        (&["render", &bad, "-o", &picture], 1, "radii"),
+        (&["render", "missing.json", "-o", &picture], 1, "missing.json"),
+        (&["render", &good, "-o", "out.jpeg"], 1, ".png"),
+        (&["render", &good, "-o", &picture, "--layers"], 1, ".exr"),
+        (&["render", &good, "-o", &picture, "--width", "0"], 2, "1..=8192"),
+        (&["render", &good, "-o", &picture, "--adapter", "no such adapter"], 1, "no such adapter"),
+        (
+            &["render", &good, "-o", "/no/such/folder/out.png", "--width", "8", "--height", "8"],
+            1,
+            "/no/such/folder",
+        ),
+    ];
+    for (words, code, fragment) in cases {
+        let mut command = Command::cargo_bin("nephos").unwrap();
+        let output = command.args(*words).assert().code(*code).get_output().stderr.clone();
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.contains(fragment) && !text.contains("panicked"), "{words:?}: {text}");
+    }
+    assert!(!Path::new(&picture).exists());
+}
+
+#[test]
+fn no_adapter_ends_in_a_sentence_that_helps() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_folder(&folder, "scene.json");
+    fs::write(&scene, SMALL).unwrap();
+    let mut command = nephos(&["info"]);
+    // Points the Vulkan loader at nothing, as on a machine without drivers.
+    command.env("VK_DRIVER_FILES", "/nowhere").env("VK_ICD_FILENAMES", "/nowhere");
+    if cfg!(target_os = "linux") {
+        let output = command.assert().failure().get_output().stderr.clone();
+        assert!(String::from_utf8(output).unwrap().contains("mesa-vulkan-drivers"));
+    }
+}

@@ -1,0 +1,556 @@
+//! Every function of `shaders/lib` against a double-precision reference written from
+//! its definition, not transcribed: a grid with edge cases, a tolerance with its reason.
+
+mod common;
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DQuat, DVec3};
+use nephos::gpu::LIBRARY;
+
+/// A shader function, its inputs and what it should give.
+struct Twin {
+    name: &'static str,
+    uses: &'static str,
+    /// WGSL body of `evaluate(x: array<vec4f, 7>) -> vec4f`.
+    body: &'static str,
+    inputs: Vec<[[f32; 4]; 7]>,
+    /// The same in f64; NaN in a place means "not compared".
+    reference: fn(&[[f64; 4]; 7]) -> [f64; 4],
+    relative: f64,
+    absolute: f64,
+}
+
+/// Covered elsewhere, with the reason.
+const ELSEWHERE: &[(&str, &str)] =
+    &[("noise_at", "reads a texture: tests/noise.rs compares it with the baked volume")];
+
+fn unit(e: &[[f64; 4]; 7], p: DVec3, w: f64) -> DVec3 {
+    let (q, r, c) = ellipsoid(e);
+    DMat3::from_quat(q).transpose() * (p - w * c) / r
+}
+
+/// Orientation, radii and centre that `ellipsoids()` packed into the first two inputs.
+fn ellipsoid(x: &[[f64; 4]; 7]) -> (DQuat, DVec3, DVec3) {
+    let orientation = DQuat::from_xyzw(x[0][0], x[0][1], x[0][2], x[0][3]).normalize();
+    (orientation, DVec3::new(x[1][0], x[1][1], x[1][2]), xyz(x[2]))
+}
+
+fn xyz(v: [f64; 4]) -> DVec3 {
+    DVec3::new(v[0], v[1], v[2])
+}
+
+fn out(v: DVec3) -> [f64; 4] {
+    [v.x, v.y, v.z, f64::NAN]
+}
+
+fn one(v: f64) -> [f64; 4] {
+    [v, f64::NAN, f64::NAN, f64::NAN]
+}
+
+/// WGSL that unpacks an ellipsoid: orientation, radii (w: core), centre (w: extinction),
+/// displacement, rise, wispiness.
+const MAKE: &str = "
+    fn row(q: vec4f, axis: vec3f, r: f32) -> vec4f {
+        let t = 2.0 * cross(q.xyz, axis);
+        return vec4f((axis + q.w * t + cross(q.xyz, t)) / r, 1.0 / r);
+    }
+    fn make(x: array<vec4f, 7>) -> Ellipsoid {
+        return Ellipsoid(row(x[0], vec3f(1, 0, 0), x[1].x), row(x[0], vec3f(0, 1, 0), x[1].y),
+            row(x[0], vec3f(0, 0, 1), x[1].z), x[2].xyz, x[2].w, x[3].x, x[3].y, x[3].z, x[1].w);
+    }";
+
+/// Oriented, flat and tall ellipsoids with points inside, on, outside, and at the centre.
+fn ellipsoids() -> Vec<[[f32; 4]; 7]> {
+    let orientations = [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 1.1)];
+    let radii = [[1.0, 1.0, 1.0], [120.0, 40.0, 100.0], [3.0, 300.0, 30.0]];
+    let directions = [[0.3, -0.8, 0.52], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.577, 0.577, 0.577]];
+    let mut list = Vec::new();
+    for q in orientations {
+        for r in radii {
+            for d in directions {
+                for k in [0.0, 1e-3, 0.3, 0.8, 0.999, 1.0, 1.001, 1.7] {
+                    let center = DVec3::new(5.0, 90.0, -12.0);
+                    let p = center + q * (DVec3::from(d).normalize() * k * DVec3::from(r));
+                    let ray = (q * DVec3::new(d[1], d[2] + 0.1, d[0])).normalize();
+                    list.push([
+                        q.as_quat().to_array(),
+                        [r[0] as f32, r[1] as f32, r[2] as f32, 0.6],
+                        [5.0, 90.0, -12.0, 0.05],
+                        [20.0, 4.0, 0.3, 0.0],
+                        p.as_vec3().extend(1.0).to_array(),
+                        ray.as_vec3().extend(0.0).to_array(),
+                        [0.25, -0.7, 1.5, 0.0],
+                    ]);
+                }
+            }
+        }
+    }
+    list
+}
+
+fn scalars(values: impl IntoIterator<Item = [f32; 4]>) -> Vec<[[f32; 4]; 7]> {
+    values.into_iter().map(|v| [v, [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]]).collect()
+}
+
+fn grid(a: &[f32], b: &[f32], c: &[f32], d: &[f32]) -> Vec<[[f32; 4]; 7]> {
+    let mut list = Vec::new();
+    for &a in a {
+        for &b in b {
+            for &c in c {
+                list.extend(d.iter().map(|&d| [a, b, c, d]));
+            }
+        }
+    }
+    scalars(list)
+}
+
+fn depth(x: &[[f64; 4]; 7]) -> f64 {
+    let (_, r, _) = ellipsoid(x);
+    let u = unit(x, xyz(x[4]), 1.0);
+    let k = u.length();
+    // |grad k| = |u / r| / k, and the smallest radius where it has no direction.
+    if k < 1e-5 { r.min_element() } else { (1.0 - k) / ((u / r).length() / k) }
+}
+
+/// s(x) of [K 3.2] by its definition: s(0) = 0, s(1) = 1, s' proportional to x^2 (1-x)^2.
+fn rise(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    let n = 2000;
+    let h = x / f64::from(n);
+    30.0 * (0..n).map(|i| (f64::from(i) + 0.5) * h).map(|y| (y * (1.0 - y)).powi(2) * h).sum::<f64>()
+}
+
+fn displaced(x: &[[f64; 4]; 7], noise: [f64; 2]) -> f64 {
+    let n = noise[0] * (1.0 - x[3][2]) + noise[1] * x[3][2];
+    depth(x) - x[3][0] * (1.0 - n) / 2.0
+}
+
+fn chord(x: &[[f64; 4]; 7]) -> [f64; 4] {
+    let (o, v) = (unit(x, xyz(x[4]), 1.0), unit(x, xyz(x[5]), 0.0));
+    let (b, c, d) = (o.dot(v), o.dot(o) - x[6][2].powi(2), v.dot(v));
+    let discriminant = b * b - d * c;
+    // A graze decides between a hit and a miss by rounding: not compared.
+    if discriminant.abs() < 1e-4 * d {
+        return [f64::NAN; 4];
+    }
+    if discriminant < 0.0 {
+        return [1e30, -1e30, f64::NAN, f64::NAN];
+    }
+    let half = discriminant.sqrt() / d;
+    [-b / d - half, -b / d + half, f64::NAN, f64::NAN]
+}
+
+/// The Eddington equations of a conservative slab under a beam, by shooting: integrated
+/// from the lit face with RK4 for two guesses of the flux there, then combined so that no
+/// diffuse light comes in through the far face.
+fn eddington(x: &[[f64; 4]; 7]) -> f64 {
+    let [g, mu0, depth, thickness] = x[0];
+    let nu = x[1][0];
+    let (g1, f) = (g / (1.0 + g), g * g);
+    let (t, total) = ((1.0 - f) * depth, (1.0 - f) * thickness);
+    let c = 3.0 / (4.0 * PI);
+    let slope = |t: f64, [_, i1]: [f64; 2]| {
+        let beam = (-t / mu0).exp();
+        // Energy: the diffuse flux gains what the beam loses. Momentum: what scattering turns.
+        [-(1.0 - g1) * i1 + c * g1 * mu0 * beam, c * beam]
+    };
+    let integrate = |i1: f64, end: f64| {
+        let n = 4000;
+        let h = end / f64::from(n);
+        let mut state = [-2.0 / 3.0 * i1, i1];
+        for i in 0..n {
+            let t = f64::from(i) * h;
+            let add = |s: [f64; 2], k: [f64; 2], h: f64| [s[0] + h * k[0], s[1] + h * k[1]];
+            let k1 = slope(t, state);
+            let k2 = slope(t + h / 2.0, add(state, k1, h / 2.0));
+            let k3 = slope(t + h / 2.0, add(state, k2, h / 2.0));
+            let k4 = slope(t + h, add(state, k3, h));
+            for j in 0..2 {
+                state[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j]);
+            }
+        }
+        state
+    };
+    let leak = |i1: f64| {
+        let [i0, i1] = integrate(i1, total);
+        i0 - 2.0 / 3.0 * i1
+    };
+    let (a, b) = (leak(0.0), leak(1.0));
+    let [i0, i1] = integrate(-a / (b - a), t);
+    (i0 + g1 * nu * i1).max(0.0)
+}
+
+/// Everything of the library but the sky, whose twins are in tests/sky.rs.
+fn twins() -> Vec<Twin> {
+    let e = ellipsoids();
+    let twin = |name, uses, body, inputs: Vec<_>, reference, relative, absolute| Twin {
+        name,
+        uses,
+        body,
+        inputs,
+        reference,
+        relative,
+        absolute,
+    };
+    vec![
+        // Positions of some 100 m over radii of 3 m: 1e-5 of rounding in the difference.
+        twin(
+            "ellipsoid_unit",
+            "ellipsoid",
+            "return vec4f(ellipsoid_unit(make(x), x[4].xyz, 1.0), 0.0);",
+            e.clone(),
+            |x| out(unit(x, xyz(x[4]), 1.0)),
+            1e-5,
+            2e-5,
+        ),
+        twin(
+            "ellipsoid_depth",
+            "ellipsoid",
+            "let e = make(x); return vec4f(ellipsoid_depth(e, ellipsoid_unit(e, x[4].xyz, 1.0)));",
+            off_center(&e),
+            |x| one(depth(x)),
+            1e-4,
+            2e-3,
+        ),
+        twin(
+            "ellipsoid_normal",
+            "ellipsoid",
+            "let e = make(x); return vec4f(ellipsoid_normal(e, ellipsoid_unit(e, x[4].xyz, 1.0)), 0.0);",
+            off_center(&e),
+            |x| {
+                let (q, r, _) = ellipsoid(x);
+                out((q * (unit(x, xyz(x[4]), 1.0) / r)).normalize())
+            },
+            1e-3,
+            1e-3,
+        ),
+        twin(
+            "ellipsoid_chord",
+            "ellipsoid",
+            "return vec4f(ellipsoid_chord(make(x), x[4].xyz, x[5].xyz, x[6].z), 0.0, 0.0);",
+            e.clone(),
+            chord,
+            1e-4,
+            2e-2,
+        ),
+        twin(
+            "noise_coordinate",
+            "noise",
+            "return vec4f(noise_coordinate(x[0], x[1], x[2], x[3].xyz), 0.0);",
+            e.clone(),
+            |x| out(DVec3::from([0, 1, 2].map(|i| xyz(x[i]).dot(xyz(x[3])) + x[i][3]))),
+            1e-6,
+            1e-3,
+        ),
+        twin(
+            "noise_sum",
+            "noise",
+            "return vec4f(noise_sum(x[0].xy, x[0].zw, x[1].x), 0.0, 0.0);",
+            with_second(grid(&[-1.0, 0.3], &[0.5, 1.0], &[-1.0, 0.1], &[0.7]), 0.5),
+            |x| {
+                let w = x[1][0];
+                [(x[0][0] + w * x[0][2]) / (1.0 + w), (x[0][1] + w * x[0][3]) / (1.0 + w), f64::NAN, f64::NAN]
+            },
+            1e-6,
+            1e-6,
+        ),
+        twin(
+            "smooth_rise",
+            "density",
+            "return vec4f(smooth_rise(x[0].x));",
+            grid(&[-1.0, 0.0, 1e-3, 0.2, 0.5, 0.9, 1.0, 3.0], &[0.0], &[0.0], &[0.0]),
+            |x| one(rise(x[0][0])),
+            1e-5,
+            1e-6,
+        ),
+        twin(
+            "displaced_depth",
+            "density",
+            "return vec4f(displaced_depth(make(x), x[4].w * 10.0, x[6].xy));",
+            e.clone(),
+            |x| one(10.0 - depth(x) + displaced(x, [x[6][0], x[6][1]])),
+            1e-5,
+            1e-4,
+        ),
+        twin(
+            "matter_with",
+            "density",
+            "let e = make(x); let m = matter_with(Matter(0.01, -3.0), e, ellipsoid_unit(e, x[4].xyz, 1.0), x[6].xy, x[6].z); return vec4f(m.extinction, m.depth, 0.0, 0.0);",
+            off_boundary(&e),
+            |x| {
+                if unit(x, xyz(x[4]), 1.0).length() >= 1.0 {
+                    return [0.01, -3.0, f64::NAN, f64::NAN];
+                }
+                let d = displaced(x, [x[6][0], x[6][1]]);
+                [
+                    f64::max(0.01, x[2][3] * rise(d / f64::max(x[3][1], x[6][2]))),
+                    d.max(-3.0),
+                    f64::NAN,
+                    f64::NAN,
+                ]
+            },
+            1e-3,
+            2e-3,
+        ),
+        twin(
+            "henyey_greenstein",
+            "phase",
+            "return vec4f(henyey_greenstein(x[0].x, x[0].y));",
+            grid(&[-0.9, 0.0, 0.5, 0.85, 0.99], &[-1.0, -0.5, 0.0, 0.7, 0.999, 1.0], &[0.0], &[0.0]),
+            |x| {
+                let [g, mu, ..] = x[0];
+                one((1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5)))
+            },
+            2e-2,
+            1e-6,
+        ), // g = 0.99 straight on: 1 + g^2 - 2g keeps two digits in single precision.
+        twin(
+            "phase_coordinate",
+            "phase",
+            "let t = x[0].x; return vec4f(phase_coordinate(vec3f(0.0, 0.6, 0.8), cos(t) * vec3f(0.0, 0.6, 0.8) + sin(t) * vec3f(1.0, 0.0, 0.0)));",
+            grid(&[0.0, 1e-3, 0.01, 0.1, 0.5, 1.0, 1.5707, 1.58, 2.5, 3.1, 3.14], &[0.0], &[0.0], &[0.0]),
+            |x| {
+                let t = x[0][0];
+                one(if t < PI / 2.0 { (0.5 * t / PI).sqrt() } else { 1.0 - (0.5 * (PI - t) / PI).sqrt() })
+            },
+            1e-3,
+            1e-4,
+        ), // sin and cos of the driver: a few 1e-5 rad near the ends.
+        twin(
+            "asin_small",
+            "phase",
+            "return vec4f(asin_small(x[0].x));",
+            grid(&[0.0, 1e-4, 0.1, 0.3, 0.6, 0.7071], &[0.0], &[0.0], &[0.0]),
+            |x| one(x[0][0].asin()),
+            1e-6,
+            4e-5,
+        ),
+        twin(
+            "recovered_peak",
+            "phase",
+            "return vec4f(recovered_peak(x[0].x, x[0].y));",
+            grid(&[0.0, 1e-3, 0.5, 3.0, 40.0, 1e4], &[0.0, 0.45, 0.9], &[0.0], &[0.0]),
+            |x| {
+                let [tau, chop, ..] = x[0];
+                // Light that the peak scattered at depth s and nothing else touched, added up over orders:
+                // e^{-(1-f) tau} (1 - e^{-f tau}).
+                one((-(1.0 - chop) * tau).exp() * -(-chop * tau).exp_m1())
+            },
+            1e-4,
+            2e-7,
+        ),
+        twin(
+            "eddington_beam",
+            "eddington",
+            "return vec4f(eddington_beam(x[0].x, x[0].y, x[0].z, x[0].w, x[1].x));",
+            with_second(slabs(), 0.6),
+            |x| one(eddington(x)),
+            1e-3,
+            2e-5,
+        ),
+        twin(
+            "diffuse_conductance",
+            "eddington",
+            "return vec4f(diffuse_conductance(x[0].x, x[0].y));",
+            grid(&[0.0, 0.73], &[0.0, 1.0, 50.0], &[0.0], &[0.0]),
+            |x| one(3.0 / (2.0 + 3.0 * (1.0 - x[0][0]) * x[0][1])),
+            1e-5,
+            0.0,
+        ),
+        twin(
+            "absorbed",
+            "eddington",
+            "return vec4f(absorbed(x[0].x, x[0].y, x[0].z));",
+            grid(&[1.0, 0.99, 0.5, 0.0], &[0.0, 0.73], &[0.0, 1.0, 20.0], &[0.0]),
+            |x| {
+                let [albedo, g, tau, _] = x[0];
+                one((-(3.0 * (1.0 - albedo) * (1.0 - albedo * g)).sqrt() * tau).exp())
+            },
+            1e-4,
+            1e-7,
+        ),
+        twin(
+            "light_box_coordinate",
+            "light_box",
+            "return vec4f(light_box_coordinate(LightBox(x[0].xyz, 20.0, vec3f(0.0, 0.6, 0.8), 30.0, vec3f(1.0, 0.0, 0.0), 40.0, vec3f(0.0, 0.8, -0.6), 0.0, 1u, 1u, 0.0, 0.0), x[1].xyz), 0.0);",
+            e.clone(),
+            |x| {
+                let q = xyz(x[1]) - xyz(x[0]);
+                out(DVec3::new(
+                    q.dot(DVec3::new(0.0, 0.6, 0.8)) / 20.0,
+                    q.x / 30.0,
+                    q.dot(DVec3::new(0.0, 0.8, -0.6)) / 40.0,
+                ))
+            },
+            1e-5,
+            1e-5,
+        ),
+        twin(
+            "light_box_point",
+            "light_box",
+            "return vec4f(light_box_point(LightBox(x[0].xyz, 20.0, vec3f(0.0, 0.6, 0.8), 30.0, vec3f(1.0, 0.0, 0.0), 40.0, vec3f(0.0, 0.8, -0.6), 0.0, 1u, 1u, 0.0, 0.0), x[1].xyz), 0.0);",
+            e.clone(),
+            |x| {
+                let [u, v, w, _] = x[1];
+                out(xyz(x[0])
+                    + 20.0 * u * DVec3::new(0.0, 0.6, 0.8)
+                    + 30.0 * v * DVec3::X
+                    + 40.0 * w * DVec3::new(0.0, 0.8, -0.6))
+            },
+            1e-5,
+            1e-4,
+        ),
+        twin(
+            "interleaved_gradient",
+            "random",
+            "return vec4f(interleaved_gradient(x[0].xy));",
+            grid(&[0.5, 1.5, 7.5], &[0.5, 2.5], &[0.0], &[0.0]),
+            |x| {
+                let inner = (0.06711056 * x[0][0] + 0.00583715 * x[0][1]).fract();
+                one((52.9829189 * inner).fract())
+            },
+            0.0,
+            1e-4,
+        ), // 53 times the rounding of a fraction
+        twin(
+            "filmic",
+            "tonemap",
+            "return vec4f(filmic(x[0].xyz), 0.0);",
+            grid(&[-1.0, 0.0, 0.01], &[0.18, 1.0], &[8.0, 1e4], &[0.0]),
+            |x| {
+                out(xyz(x[0])
+                    .max(DVec3::ZERO)
+                    .to_array()
+                    .map(|x| ((2.51 * x * x + 0.03 * x) / (2.43 * x * x + 0.59 * x + 0.14)).min(1.0))
+                    .into())
+            },
+            1e-4,
+            1e-6,
+        ),
+        twin(
+            "srgb_encode",
+            "tonemap",
+            "return vec4f(srgb_encode(x[0].xyz), 0.0);",
+            grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]),
+            |x| {
+                out(xyz(x[0])
+                    .to_array()
+                    .map(|x| if x <= 0.0031308 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 })
+                    .into())
+            },
+            1e-3,
+            1e-5,
+        ),
+        twin(
+            "camera_ray",
+            "camera",
+            "let c = Camera(vec3f(1.6, 0.0, 0.0), u32(x[0].z), vec3f(0.0, 0.9, 0.0), 2.0, vec3f(0.0, 0.0, -1.0), 0.001, vec2f(1.0), 0.0, 0.0); let r = camera_ray(c, x[0].xy); return vec4f(r.direction, r.origin.x);",
+            grid(&[-1.0, 0.0, 0.4], &[-0.7, 0.0, 1.0], &[0.0, 1.0, 2.0], &[0.0]),
+            |x| {
+                let [a, b, kind, _] = x[0];
+                let d = match kind as u32 {
+                    0 => DVec3::new(1.6 * a, 0.9 * b, -1.0).normalize(),
+                    1 => DVec3::NEG_Z,
+                    // Axes of 1.6 and 0.9 stretch the panorama of this test.
+                    _ => DVec3::new(
+                        (PI * a).sin() * (PI / 2.0 * b).cos() * 1.6,
+                        (PI / 2.0 * b).sin() * 0.9,
+                        -(PI * a).cos() * (PI / 2.0 * b).cos(),
+                    ),
+                };
+                [d.x, d.y, d.z, if kind == 1.0 { 1.6 * a } else { 0.0 }]
+            },
+            1e-5,
+            1e-5,
+        ),
+        twin(
+            "pixel_ndc",
+            "camera",
+            "var c: Camera; c.size = vec2f(40.0, 20.0); return vec4f(pixel_ndc(c, x[0].xy), 0.0, 0.0);",
+            grid(&[0.0, 0.5, 40.0], &[0.0, 19.5], &[0.0], &[0.0]),
+            |x| [x[0][0] / 20.0 - 1.0, 1.0 - x[0][1] / 10.0, f64::NAN, f64::NAN],
+            1e-6,
+            1e-6,
+        ),
+        twin(
+            "pixel_footprint",
+            "camera",
+            "var c: Camera; c.pixel = 0.25; c.projection = u32(x[0].y); return vec4f(pixel_footprint(c, x[0].x));",
+            grid(&[0.0, 8.0], &[0.0, 1.0, 2.0], &[0.0], &[0.0]),
+            |x| one(if x[0][1] == 1.0 { 0.25 } else { 0.25 * x[0][0] }),
+            1e-6,
+            0.0,
+        ),
+    ]
+}
+
+/// The centre has no normal and only a limit for its depth: rounding would choose.
+fn off_center(e: &[[[f32; 4]; 7]]) -> Vec<[[f32; 4]; 7]> {
+    e.iter()
+        .copied()
+        .filter(|x| {
+            (glam::Vec3::new(x[4][0], x[4][1], x[4][2]) - glam::Vec3::new(5.0, 90.0, -12.0)).length() > 0.02
+        })
+        .collect()
+}
+
+/// On the surface itself rounding decides between inside and outside.
+fn off_boundary(e: &[[[f32; 4]; 7]]) -> Vec<[[f32; 4]; 7]> {
+    off_center(e)
+        .into_iter()
+        .filter(|x| {
+            (unit(&x.map(|v| v.map(f64::from)), xyz(x[4].map(f64::from)), 1.0).length() - 1.0).abs() > 1e-4
+        })
+        .collect()
+}
+
+fn with_second(mut inputs: Vec<[[f32; 4]; 7]>, value: f32) -> Vec<[[f32; 4]; 7]> {
+    inputs.iter_mut().for_each(|x| x[1][0] = value);
+    inputs
+}
+
+/// Asymmetry, sun cosine, depth and thickness of slabs; depths up to the far face.
+fn slabs() -> Vec<[[f32; 4]; 7]> {
+    let all = grid(&[0.0, 0.73, 0.9], &[0.2, 0.7, 1.0], &[0.0, 0.5, 5.0, 30.0], &[0.5, 5.0, 30.0]);
+    all.into_iter().filter(|x| x[0][2] <= x[0][3]).collect()
+}
+
+#[test]
+fn shader_functions_agree_with_their_references() {
+    let mut failures = Vec::new();
+    for twin in twins() {
+        let declarations = if twin.body.contains("make(") { MAKE } else { "" };
+        let got = common::evaluate_with(twin.uses, declarations, twin.body, &twin.inputs);
+        for (input, got) in twin.inputs.iter().zip(got) {
+            let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
+            for (got, wanted) in got.into_iter().zip(wanted) {
+                let error = (f64::from(got) - wanted).abs();
+                // NaN in the reference compares false: not compared. NaN in the shader fails.
+                if !wanted.is_nan() && !(error <= twin.absolute + twin.relative * wanted.abs()) {
+                    failures.push(format!("{}: {got} for {wanted} at {input:?}", twin.name));
+                }
+            }
+        }
+    }
+    assert!(
+        failures.is_empty(),
+        "{} differences, first:\n{}",
+        failures.len(),
+        failures[..failures.len().min(12)].join("\n")
+    );
+}
+
+#[test]
+fn every_shader_function_has_a_twin() {
+    let twins: Vec<_> = twins().iter().map(|twin| twin.name).collect();
+    let sky = concat!(include_str!("atmosphere.rs"), include_str!("sky.rs"));
+    for (module, source) in LIBRARY {
+        for line in source.lines().filter_map(|line| line.strip_prefix("fn ")) {
+            let name = line.split('(').next().unwrap_or_default();
+            let elsewhere = ELSEWHERE.iter().any(|(known, _)| *known == name)
+                || (["air", "atmosphere"].contains(module) && sky.contains(name));
+            assert!(twins.contains(&name) || elsewhere, "`{name}` of shaders/lib/{module}.wgsl has no twin");
+        }
+    }
+}
