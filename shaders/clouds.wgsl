@@ -133,10 +133,9 @@ fn quad(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     let tile = tiles[instance];
     let corner = vec2u(vertex & 1u, vertex >> 1u);
     let pixel = vec2f(select(tile.area.xy, tile.area.zw, corner == vec2u(1u)));
-    let light = array(textureLoad(sky_light, vec2u(0u), 0).rgb, textureLoad(sky_light, vec2u(1u, 0u), 0).rgb,
-        textureLoad(sky_light, vec2u(2u, 0u), 0).rgb);
     return Varyings(vec4f(pixel_ndc(camera, pixel), 0.0, 1.0), tile.first, tile.count,
-        sun_at(cloud.base), sun_at(cloud.top), light[0], light[1], light[2]);
+        sun_at(cloud.base), sun_at(cloud.top), light_of_sky(sky_light, LIGHT_ABOVE),
+        light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND));
 }
 
 // What lies ahead on a ray, from a distance to the next boundary.

@@ -21,4 +21,5 @@ pub use frame::Frame;
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub use quality::Quality;
 pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
+pub use sky::{AtmosphereUniform, Redone, Sky, SkySettings, SkyUniform};
 pub use stats::Counts;

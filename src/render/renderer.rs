@@ -293,7 +293,7 @@ impl Renderer {
             self.counters.clear(encoder);
         }
         let settings = SkySettings::new(&frame.scene, frame.to_sun);
-        self.redone += self.sky.prepare(
+        let redone = self.sky.prepare(
             &self.device,
             &self.queue,
             encoder,
@@ -301,6 +301,7 @@ impl Renderer {
             &frame.camera,
             self.timing.as_ref(),
         );
+        self.redone += redone.count();
         self.prepare_noise(frame.scene.noise.seed);
         self.prepare_lights(encoder, frame);
     }

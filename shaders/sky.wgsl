@@ -1,0 +1,99 @@
+// The background: sky, ground and the sun's disc, into a linear target.
+// @use atmosphere camera
+
+// Is the sky an atmosphere, or the same everywhere?
+override ATMOSPHERE: bool = true;
+// Is the sun seen?
+override SUN_DISC: bool = true;
+
+@group(0) @binding(0) var<uniform> sky: Sky;
+@group(0) @binding(1) var<uniform> camera: Camera;
+@group(0) @binding(2) var transmittance: texture_2d<f32>;
+@group(0) @binding(3) var sky_view: texture_2d<f32>;
+@group(0) @binding(4) var linear_sampler: sampler;
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) ndc: vec2f,
+}
+
+// One triangle that covers the picture.
+@vertex fn vertex(@builtin(vertex_index) index: u32) -> Corner {
+    let ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return Corner(vec4f(ndc, 0.0, 1.0), ndc);
+}
+
+@fragment fn fragment(@location(0) ndc: vec2f) -> @location(0) vec4f {
+    let direction = camera_ray(camera, ndc).direction;
+    var radiance = sky.radiance;
+    if ATMOSPHERE {
+        radiance = sky.irradiance * air_and_ground(direction);
+    }
+    if SUN_DISC {
+        radiance += sun_disc(direction);
+    }
+    return vec4f(min(radiance, vec3f(MOST)), 1.0);
+}
+
+// Largest value of a half float.
+const MOST: f32 = 65504.0;
+
+// Share of the pixel in `direction` that is above the horizon.
+fn share_above(altitude: f32, direction: vec3f) -> f32 {
+    let a = sky.atmosphere;
+    // The zenith angle changes by sin(horizon) = R / r times less than its cosine.
+    let angle = (direction.y - horizon_mu(a, altitude)) * (a.ground_radius + altitude) / a.ground_radius;
+    return saturate(0.5 + angle / camera.pixel);
+}
+
+fn air_and_ground(direction: vec3f) -> vec3f {
+    let a = sky.atmosphere;
+    let altitude = max(camera.altitude, 0.0);
+    let size = vec2f(textureDimensions(sky_view));
+    let sine = half_azimuth_sine(direction, sky.to_sun);
+    let above = sky_view_uv(a, size, altitude, direction.y, sine, false);
+    let below = sky_view_uv(a, size, altitude, direction.y, sine, true);
+    let light = mix(textureSampleLevel(sky_view, linear_sampler, below, 0.0).rgb,
+        textureSampleLevel(sky_view, linear_sampler, above, 0.0).rgb, share_above(altitude, direction));
+    return light / TABLE_SCALE;
+}
+
+// Exponents of the darkening towards the sun's limb, of the cosine of the angle to the
+// sun's surface: Hestroffer and Magnan, "Wavelength dependency of the solar limb
+// darkening", A&A 333, 1998, in the red, green and blue as Hillaire uses them.
+const LIMB: vec3f = vec3f(0.397, 0.503, 0.652);
+
+// Radiance of the disc of the sun. A disc smaller than a pixel is drawn as large as
+// the pixel and dimmer, so that it neither flickers nor gains light.
+fn sun_disc(direction: vec3f) -> vec3f {
+    let pixel = camera.pixel;
+    // Chords, not cosines, which are all 1 here.
+    let radius = max(2.0 * sin(0.5 * sky.atmosphere.sun_radius), 0.5 * pixel);
+    let from_center = distance(direction, sky.to_sun);
+    let share = saturate(0.5 + (radius - from_center) / pixel);
+    // Pixels on the edge take the limb of their inner half; one pixel alone has none.
+    let sharp = 1.0 - 0.5 * pixel / radius;
+    let rim = min(from_center / radius, sharp);
+    let exponent = 0.5 * sharp * LIMB;
+    // Its mean over the disc is 1.
+    let limb = (1.0 + exponent) * pow(vec3f(max(1.0 - rim * rim, 1e-6)), exponent);
+    // The integral of `share` is the solid angle, edge included.
+    var radiance = limb * sky.irradiance / (PI * (radius * radius + pixel * pixel / 12.0));
+    if ATMOSPHERE {
+        let altitude = max(camera.altitude, 0.0);
+        let above = max(direction.y, horizon_mu(sky.atmosphere, altitude));
+        radiance *= share_above(altitude, direction) * transmittance_from(altitude, above);
+    }
+    // What a half float cannot hold is scaled down as a whole: the colour stays.
+    let most = max(max(radiance.r, radiance.g), radiance.b);
+    return share * radiance * min(1.0, 0.9 * MOST / max(most, 1e-20));
+}
+
+// Transmittance of the whole air in a direction that does not meet the ground.
+fn transmittance_from(altitude: f32, mu: f32) -> vec3f {
+    let a = sky.atmosphere;
+    let entry = distance_to_entry(a, altitude, mu);
+    let inside = air_ray_at(a, AirRay(altitude, mu, 0.0, 0.0), max(entry, 0.0));
+    let uv = transmittance_uv(a, vec2f(textureDimensions(transmittance)), inside.altitude, inside.mu);
+    return select(textureSampleLevel(transmittance, linear_sampler, uv, 0.0).rgb, vec3f(1.0), entry < 0.0);
+}
