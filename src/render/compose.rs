@@ -12,7 +12,7 @@ pub struct ComposeUniform {
 
 /// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
 /// irradiance per steradian, comes out just below white.
-const BASE: f64 = 3.5;
+const BASE: f64 = 6.0;
 
 impl ComposeUniform {
     /// For an exposure in stops.
