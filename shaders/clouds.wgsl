@@ -215,8 +215,7 @@ fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> f32 {
 fn multiple_source(p: vec3f, direction: vec3f, depth_to_sun: f32) -> f32 {
     count(MAP_READS, 2u);
     let uv = light_box_coordinate(cloud.sun, p).xy;
-    let texel = cloud.sun.size_x / f32(textureDimensions(sun_depths).x);
-    let level = log2(max(cloud.slab_length / texel, 1.0));
+    let level = log2(max(cloud.slab_length / cloud.sun.texel, 1.0));
     let map = textureSampleLevel(sun_depths, clamped, uv, level);
     let facing = textureSampleLevel(sun_normals, clamped, uv, level).xyz;
     let normal = normalize(facing + 1e-4 * cloud.to_sun);

@@ -23,17 +23,17 @@ fn extinction_with(p: vec3f, noise: vec2f, blur: f32) -> f32 {
 }
 
 fn extinction_at(p: vec3f, blur: f32) -> f32 {
-    return extinction_with(p, noise_at(noise_volume, repeat, noise_frame, p, blur), blur);
+    return extinction_with(p, noise_at(noise_volume, repeat, noise_frame, p, 0.5 * box.texel), blur);
 }
 
 // Mean conductance of horizontal paths out of the cloud, noise left out: samples at
 // distances that grow with their square, to the edge of the box at most.
 fn side_conductance(p: vec3f, blur: f32) -> f32 {
-    let reach = 0.5 * max(box.size_x, box.size_y);
+    let reach = 0.5 * max(length(box.edge_u), length(box.edge_v));
     var sum = 0.0;
     for (var side = 0u; side < SIDES; side++) {
         let angle = 6.2831853 * f32(side) / f32(SIDES);
-        let direction = cos(angle) * box.across_x + sin(angle) * box.across_y;
+        let direction = vec3f(cos(angle), 0.0, sin(angle));
         var optical_depth = 0.0;
         for (var i = 0u; i < SAMPLES_ASIDE; i++) {
             let near = f32(i) / f32(SAMPLES_ASIDE);
@@ -54,8 +54,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let uv = (vec2f(id.xy) + 0.5) / vec2f(size.xy);
-    let step = box.size_z / f32(size.z);
-    let blur = box.size_x / f32(size.x);
+    let step = box.length / f32(size.z);
+    let blur = step;
     var total = 0.0;
     for (var z = 0u; z < size.z; z++) {
         total += step * extinction_at(light_box_point(box, vec3f(uv, (f32(z) + 0.5) / f32(size.z))), blur);

@@ -13,12 +13,13 @@
 @group(0) @binding(6) var depths: texture_storage_2d<rgba16float, write>;
 
 // Samples in each voxel of a column, and before the box where others cast shadows.
-const SAMPLES: u32 = 2u;
+const SAMPLES: u32 = 4u;
 const SAMPLES_BEFORE: u32 = 48u;
 
-// Extinction at a point of the ellipsoids from `first` to `last`, without the forward peak.
+// Extinction at a point of the ellipsoids from `first` to `last`, without the forward
+// peak. Noise finer than a texel is left out; edges are no sharper than `blur`.
 fn extinction_at(p: vec3f, first: u32, last: u32, blur: f32) -> f32 {
-    let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
+    let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.5 * box.texel);
     var matter = CLEAR;
     for (var i = first; i < last; i++) {
         matter = matter_with(matter, ellipsoids[i], ellipsoid_unit(ellipsoids[i], p, 1.0), noise, blur);
@@ -47,8 +48,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let uv = (vec2f(id.xy) + 0.5) / vec2f(size.xy);
-    let step = box.size_z / f32(size.z * SAMPLES);
-    let blur = box.size_x / f32(size.x);
+    let step = box.length / f32(size.z * SAMPLES);
+    let blur = 2.0 * step;
     let shadow = shadow_of_others(light_box_point(box, vec3f(uv, 0.0)));
     var optical_depth = shadow;
     var front = 0.0;

@@ -14,7 +14,7 @@ struct Surface {
 fn surface_at(texel: vec2i) -> Surface {
     let last = vec2i(textureDimensions(depths)) - 1;
     let map = textureLoad(depths, clamp(texel, vec2i(0), last), 0);
-    return Surface(box.size_z * map.x / max(map.w, 1e-4), map.w);
+    return Surface(box.length * map.x / max(map.w, 1e-4), map.w);
 }
 
 // Rise of the depth per metre across, from the sides that are covered; where none is,
@@ -34,8 +34,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let texel = vec2i(id.xy);
     let here = surface_at(texel);
-    let x = slope(surface_at(texel - vec2i(1, 0)), here, surface_at(texel + vec2i(1, 0)), box.size_x / f32(size.x));
-    let y = slope(surface_at(texel - vec2i(0, 1)), here, surface_at(texel + vec2i(0, 1)), box.size_y / f32(size.y));
-    let normal = normalize(x * box.across_x + y * box.across_y - box.along);
+    let texel_u = length(box.edge_u) / f32(size.x);
+    let texel_v = length(box.edge_v) / f32(size.y);
+    let slope_u = slope(surface_at(texel - vec2i(1, 0)), here, surface_at(texel + vec2i(1, 0)), texel_u);
+    let slope_v = slope(surface_at(texel - vec2i(0, 1)), here, surface_at(texel + vec2i(0, 1)), texel_v);
+    let normal = light_box_normal(box, slope_u, slope_v);
     textureStore(normals, id.xy, vec4f(here.coverage * normal, here.coverage));
 }

@@ -60,6 +60,24 @@ const MAKE: &str = "
             row(x[0], vec3f(0, 0, 1), x[1].z), x[2].xyz, x[2].w, x[3].x, x[3].y, x[3].z, x[1].w);
     }";
 
+/// Edges of a light box whose columns lean, m.
+fn leaning() -> DMat3 {
+    let along = DVec3::new(0.3, 0.8, -0.6) / DVec3::new(0.3, 0.8, -0.6).length();
+    DMat3::from_cols(20.0 * DVec3::Z, 30.0 * DVec3::X, 40.0 * along)
+}
+
+/// The same in WGSL: rows of the inverse are cross products of the edges over their volume.
+const LEANING: &str = "
+    fn leaning(corner: vec3f) -> LightBox {
+        let u = vec3f(0.0, 0.0, 20.0);
+        let v = vec3f(30.0, 0.0, 0.0);
+        let along = normalize(vec3f(0.3, 0.8, -0.6));
+        let w = 40.0 * along;
+        let volume = dot(u, cross(v, w));
+        return LightBox(corner, 1.0, cross(v, w) / volume, 0.0, cross(w, u) / volume, 1u, cross(u, v) / volume, 1u,
+            u, 0.0, v, 0.0, along, 40.0);
+    }";
+
 /// Oriented, flat and tall ellipsoids with points inside, on, outside, and at the centre.
 fn ellipsoids() -> Vec<[[f32; 4]; 7]> {
     let orientations = [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 1.1)];
@@ -373,33 +391,38 @@ fn twins() -> Vec<Twin> {
         twin(
             "light_box_coordinate",
             "light_box",
-            "return vec4f(light_box_coordinate(LightBox(x[0].xyz, 20.0, vec3f(0.0, 0.6, 0.8), 30.0, vec3f(1.0, 0.0, 0.0), 40.0, vec3f(0.0, 0.8, -0.6), 0.0, 1u, 1u, 0.0, 0.0), x[1].xyz), 0.0);",
+            "return vec4f(light_box_coordinate(leaning(x[0].xyz), x[1].xyz), 0.0);",
             e.clone(),
-            |x| {
-                let q = xyz(x[1]) - xyz(x[0]);
-                out(DVec3::new(
-                    q.dot(DVec3::new(0.0, 0.6, 0.8)) / 20.0,
-                    q.x / 30.0,
-                    q.dot(DVec3::new(0.0, 0.8, -0.6)) / 40.0,
-                ))
-            },
+            |x| out(leaning().inverse() * (xyz(x[1]) - xyz(x[0]))),
             1e-5,
-            1e-5,
+            2e-5,
         ),
         twin(
             "light_box_point",
             "light_box",
-            "return vec4f(light_box_point(LightBox(x[0].xyz, 20.0, vec3f(0.0, 0.6, 0.8), 30.0, vec3f(1.0, 0.0, 0.0), 40.0, vec3f(0.0, 0.8, -0.6), 0.0, 1u, 1u, 0.0, 0.0), x[1].xyz), 0.0);",
+            "return vec4f(light_box_point(leaning(x[0].xyz), x[1].xyz), 0.0);",
             e.clone(),
+            |x| out(xyz(x[0]) + leaning() * xyz(x[1])),
+            1e-5,
+            1e-3,
+        ),
+        twin(
+            "light_box_normal",
+            "light_box",
+            "return vec4f(light_box_normal(leaning(vec3f(0.0)), x[0].x, x[0].y), 0.0);",
+            grid(&[-3.0, 0.0, 0.4], &[-0.2, 0.0, 5.0], &[0.0], &[0.0]),
             |x| {
-                let [u, v, w, _] = x[1];
-                out(xyz(x[0])
-                    + 20.0 * u * DVec3::new(0.0, 0.6, 0.8)
-                    + 30.0 * v * DVec3::X
-                    + 40.0 * w * DVec3::new(0.0, 0.8, -0.6))
+                // A point of the surface moves with either way across by the way itself and
+                // the slope along the light; the normal has no part in either.
+                let columns = leaning();
+                let along = columns.z_axis.normalize();
+                let u = columns.x_axis.normalize() + x[0][0] * along;
+                let v = columns.y_axis.normalize() + x[0][1] * along;
+                let n = v.cross(u).normalize();
+                out(if n.dot(along) > 0.0 { -n } else { n })
             },
             1e-5,
-            1e-4,
+            1e-5,
         ),
         twin(
             "interleaved_gradient",
@@ -520,7 +543,11 @@ fn slabs() -> Vec<[[f32; 4]; 7]> {
 fn shader_functions_agree_with_their_references() {
     let mut failures = Vec::new();
     for twin in twins() {
-        let declarations = if twin.body.contains("make(") { MAKE } else { "" };
+        let declarations = match twin.body {
+            body if body.contains("make(") => MAKE,
+            body if body.contains("leaning(") => LEANING,
+            _ => "",
+        };
         let got = common::evaluate_with(twin.uses, declarations, twin.body, &twin.inputs);
         for (input, got) in twin.inputs.iter().zip(got) {
             let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));

@@ -1,34 +1,49 @@
-// A box of voxels around a cloud whose columns run along a direction of light.
+// A box of voxels around a cloud whose columns run along a direction of light. Its
+// slices lie in a plane of the cloud's frame, so that the box of a flat cloud is flat
+// from wherever the light comes: edges across are at right angles, columns may lean.
 
 struct LightBox {
-    // Corner where the light enters, in the cloud's frame, m; unit vectors across and along.
+    // Corner where the light enters, in the cloud's frame, m.
     corner: vec3f,
-    size_x: f32,
-    across_x: vec3f,
-    size_y: f32,
-    across_y: vec3f,
-    size_z: f32,
-    along: vec3f,
+    // Width of a texel across, m.
+    texel: f32,
+    // Rows of the map from metres to texture coordinates.
+    row_u: vec3f,
     // Distance before the box at which other clouds begin, m; 0 where none casts a shadow here.
     before: f32,
+    row_v: vec3f,
     // Number of ellipsoids of the cloud itself, and with those of others that cast shadows on it.
     own: u32,
+    row_w: vec3f,
     all: u32,
+    // Edges across, m.
+    edge_u: vec3f,
     // Share of extinction in the removed forward peak.
     chop: f32,
+    edge_v: vec3f,
     // Asymmetry of the phase function without its peak.
     asymmetry: f32,
+    // Unit vector along the light, and the length of the columns, m.
+    along: vec3f,
+    length: f32,
 }
 
 // Texture coordinates of a point.
 fn light_box_coordinate(box: LightBox, p: vec3f) -> vec3f {
     let q = p - box.corner;
-    let metres = vec3f(dot(q, box.across_x), dot(q, box.across_y), dot(q, box.along));
-    return metres / vec3f(box.size_x, box.size_y, box.size_z);
+    return vec3f(dot(q, box.row_u), dot(q, box.row_v), dot(q, box.row_w));
 }
 
 // The point at texture coordinates.
 fn light_box_point(box: LightBox, uvw: vec3f) -> vec3f {
-    let metres = uvw * vec3f(box.size_x, box.size_y, box.size_z);
-    return box.corner + metres.x * box.across_x + metres.y * box.across_y + metres.z * box.along;
+    return box.corner + uvw.x * box.edge_u + uvw.y * box.edge_v + uvw.z * box.length * box.along;
+}
+
+// Normal, against the light, of a surface whose depth along the columns grows by `slope_u`
+// and `slope_v` metres per metre across.
+fn light_box_normal(box: LightBox, slope_u: f32, slope_v: f32) -> vec3f {
+    let tangent_u = normalize(box.edge_u) + slope_u * box.along;
+    let tangent_v = normalize(box.edge_v) + slope_v * box.along;
+    let normal = normalize(cross(tangent_u, tangent_v));
+    return select(normal, -normal, dot(normal, box.along) > 0.0);
 }

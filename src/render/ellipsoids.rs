@@ -22,7 +22,7 @@ pub struct EllipsoidUniform {
 /// Share of the boundary over which the density rises: at the sharpest, and more with
 /// wispiness. The rest is displacement by noise.
 const SHARPEST_RISE: f64 = 0.06;
-const WISPIEST_RISE: f64 = 0.6;
+const WISPIEST_RISE: f64 = 0.4;
 
 impl EllipsoidUniform {
     /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`.
@@ -45,7 +45,7 @@ impl EllipsoidUniform {
         }
     }
 
-    /// Half the extent along a unit vector, m.
+    /// Half the extent of `axis . p`: along a unit vector, half the width in metres.
     pub(crate) fn support(&self, axis: Vec3) -> f32 {
         [self.row_x, self.row_y, self.row_z]
             .map(|row| row.truncate().dot(axis) / (row.w * row.w))
@@ -53,9 +53,5 @@ impl EllipsoidUniform {
             .iter()
             .sum::<f32>()
             .sqrt()
-    }
-
-    pub(crate) fn largest_radius(&self) -> f32 {
-        1.0 / self.row_x.w.min(self.row_y.w).min(self.row_z.w)
     }
 }

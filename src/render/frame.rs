@@ -27,7 +27,7 @@ pub struct CloudFrame {
     pub(crate) half: DVec3,
     pub(crate) ellipsoids: Vec<EllipsoidUniform>,
     /// Ellipsoids of other clouds, in this cloud's frame.
-    others: Vec<EllipsoidUniform>,
+    pub(crate) others: Vec<EllipsoidUniform>,
     pub(crate) optics: CloudOptics,
     pub(crate) noise: NoiseFrame,
 }
@@ -57,21 +57,6 @@ impl Frame {
     /// Width and height of the picture, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.camera.size.map(|x| x as u32)
-    }
-}
-
-impl CloudFrame {
-    /// The cloud's ellipsoids, then those of others that light along `along` meets first.
-    pub(super) fn with_occluders(&self, along: DVec3) -> Vec<EllipsoidUniform> {
-        let along = along.as_vec3();
-        let radius = self.half.length() as f32;
-        let shades = |e: &&EllipsoidUniform| {
-            let reach = e.largest_radius() + radius;
-            let ahead = e.center.dot(along);
-            let aside = (e.center - ahead * along).length();
-            aside < reach && ahead < reach
-        };
-        self.ellipsoids.iter().chain(self.others.iter().filter(shades)).copied().collect()
     }
 }
 

@@ -60,8 +60,8 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "clouds",
             "LightBox",
-            layout!(LightBox: corner, size_x, across_x, size_y, across_y, size_z, along, before, own, all, chop,
-                asymmetry),
+            layout!(LightBox: corner, texel, row_u, before, row_v, own, row_w, all, edge_u, chop, edge_v, asymmetry,
+                along, length),
         ),
         (
             "clouds",

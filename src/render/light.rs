@@ -2,7 +2,7 @@
 //! optical depth to the sun, and the volume of openness to sky and ground. Redone only
 //! when the sun, the shape or the noise changed.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3Swizzles};
 
 use super::{ellipsoids::EllipsoidUniform, frame::CloudFrame, noise::NoiseFrame};
 use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
@@ -12,52 +12,94 @@ use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct LightBox {
     pub(super) corner: Vec3,
-    pub(super) size_x: f32,
-    pub(super) across_x: Vec3,
-    pub(super) size_y: f32,
-    pub(super) across_y: Vec3,
-    pub(super) size_z: f32,
-    pub(super) along: Vec3,
+    pub(super) texel: f32,
+    pub(super) row_u: Vec3,
     pub(super) before: f32,
+    pub(super) row_v: Vec3,
     pub(super) own: u32,
+    pub(super) row_w: Vec3,
     pub(super) all: u32,
+    pub(super) edge_u: Vec3,
     pub(super) chop: f32,
+    pub(super) edge_v: Vec3,
     pub(super) asymmetry: f32,
+    pub(super) along: Vec3,
+    pub(super) length: f32,
+}
+
+/// Rows of the map to metres across and along a box whose columns lean: two axes of the
+/// frame with the lean taken out, and the way along the light.
+#[derive(Clone, Copy)]
+struct Lean {
+    across: [Vec3; 2],
+    rows: [Vec3; 3],
+}
+
+impl Lean {
+    /// Slices across the axis that light crosses a box of this half-extent by fastest.
+    fn new(half: Vec3, along: Vec3) -> Self {
+        let ways =
+            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, half.dot(axis) / along.dot(axis).abs().max(1e-6)));
+        let (through, _) =
+            ways.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a }).unwrap_or((Vec3::Y, 0.0));
+        let across = [through.yzx(), through.zxy()];
+        let way = through / along.dot(through);
+        let rows = [across[0] - along.dot(across[0]) * way, across[1] - along.dot(across[1]) * way, way];
+        Self { across, rows }
+    }
 }
 
 impl LightBox {
-    /// The tightest box around the first `own` ellipsoids with columns along `along`,
-    /// square across, one texel of `resolution` wider; the other ellipsoids cast shadows.
-    fn new(ellipsoids: &[EllipsoidUniform], own: usize, along: DVec3, resolution: u32) -> Self {
-        let along = along.as_vec3();
-        let across_x = along.any_orthonormal_vector();
-        let across_y = along.cross(across_x);
-        let (mine, others) = ellipsoids.split_at(own);
-        let [x, y, z] = [across_x, across_y, along].map(|axis| extent(mine, axis));
-        let texel = (x.1 - x.0).max(y.1 - y.0) / (resolution - 2) as f32;
-        let across = texel * resolution as f32;
-        let middle = [x, y].map(|(low, high)| 0.5 * (low + high - across));
-        let start = z.0 - texel;
-        let before = start - extent(others, along).0;
-        Self {
-            corner: middle[0] * across_x + middle[1] * across_y + start * along,
-            size_x: across,
-            across_x,
-            size_y: across,
-            across_y,
-            size_z: z.1 - z.0 + 2.0 * texel,
-            along,
+    /// The tightest box around `own` with columns along `along`, one texel of
+    /// `resolution` wider on each side, and those of `others` that shade it.
+    fn new(
+        own: &[EllipsoidUniform],
+        others: &[EllipsoidUniform],
+        along: Vec3,
+        resolution: u32,
+    ) -> (Self, Vec<EllipsoidUniform>) {
+        let half =
+            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| extent(own, axis)).map(|(low, high)| 0.5 * (high - low));
+        let Lean { across, rows } = Lean::new(half.into(), along);
+        let ranges = rows.map(|row| extent(own, row));
+        let shades = |e: &&EllipsoidUniform| {
+            let overlap = |i: usize| {
+                let (low, high) = extent(std::slice::from_ref(*e), rows[i]);
+                low < ranges[i].1 && high > ranges[i].0
+            };
+            // It may stand beside the cloud or before it, not behind.
+            overlap(0) && overlap(1) && extent(std::slice::from_ref(*e), rows[2]).0 < ranges[2].1
+        };
+        let shading: Vec<_> = others.iter().filter(shades).copied().collect();
+        let texels = [0, 1].map(|i| (ranges[i].1 - ranges[i].0) / (resolution - 2) as f32);
+        let margin = texels[0].max(texels[1]).min(ranges[2].1 - ranges[2].0);
+        let sizes = texels.map(|texel| texel * resolution as f32);
+        let (start, length) = (ranges[2].0 - 0.5 * margin, ranges[2].1 - ranges[2].0 + margin);
+        let corner =
+            (ranges[0].0 - texels[0]) * across[0] + (ranges[1].0 - texels[1]) * across[1] + start * along;
+        let before = if shading.is_empty() { 0.0 } else { start - extent(&shading, rows[2]).0 };
+        let light_box = Self {
+            corner,
+            texel: texels[0].max(texels[1]),
+            row_u: rows[0] / sizes[0],
             before: before.max(0.0),
-            own: own as u32,
-            all: ellipsoids.len() as u32,
+            row_v: rows[1] / sizes[1],
+            own: own.len() as u32,
+            row_w: rows[2] / length,
+            all: (own.len() + shading.len()) as u32,
+            edge_u: sizes[0] * across[0],
             chop: 0.0,
+            edge_v: sizes[1] * across[1],
             asymmetry: 0.0,
-        }
+            along,
+            length,
+        };
+        (light_box, own.iter().copied().chain(shading).collect())
     }
 
     fn voxels(&self, resolution: u32) -> [u32; 3] {
-        let along = (self.size_z / self.size_x * resolution as f32).ceil() as u32;
-        [resolution, resolution, along.clamp(4, 2 * resolution)]
+        let along = (self.length / self.texel).ceil() as u32;
+        [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }
 }
 
@@ -87,7 +129,7 @@ struct Key {
 
 /// The prepared light of one cloud.
 pub(super) struct CloudLight {
-    /// Width of a voxel of the sun's volume, m.
+    /// Size of a voxel of the sun's volume, m.
     pub voxel: f32,
     pub sun_box: LightBox,
     pub sky_box: LightBox,
@@ -155,7 +197,7 @@ impl LightPass {
             None => view(&volume(inputs.device, "no sky volume", [1, 1, 1])),
         });
         CloudLight {
-            voxel: sun_key.light_box.size_x / inputs.resolution as f32,
+            voxel: voxel(&sun_key.light_box, inputs.resolution),
             sun_box: sun_key.light_box,
             sky_box: sky_key.as_ref().map_or(sun_key.light_box, |key| key.light_box),
             sun_volume,
@@ -226,9 +268,14 @@ impl LightPass {
     }
 }
 
+/// The finer of a voxel's extents across and along the light, m.
+fn voxel(light_box: &LightBox, resolution: u32) -> f32 {
+    light_box.texel.min(light_box.length / light_box.voxels(resolution)[2] as f32)
+}
+
 fn key(inputs: &Inputs<'_>, cloud: &CloudFrame, along: DVec3, resolution: u32) -> Key {
-    let ellipsoids = cloud.with_occluders(along);
-    let mut light_box = LightBox::new(&ellipsoids, cloud.ellipsoids.len(), along, resolution);
+    let (mut light_box, ellipsoids) =
+        LightBox::new(&cloud.ellipsoids, &cloud.others, along.as_vec3(), resolution);
     light_box.chop = cloud.optics.chop;
     light_box.asymmetry = cloud.optics.asymmetry;
     Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box }

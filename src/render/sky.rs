@@ -220,8 +220,7 @@ impl Tables {
         let (sky, camera, linear) = (|| sky.clone(), || camera.clone(), || Sampler(sampler));
         let (t, m, g) = (|| View(&transmittance), || View(&multiple), || View(&ground));
         let [x, y, _] = TRANSMITTANCE;
-        let fill_transmittance =
-            Fill::new(device, "transmittance", &[sky(), t()], [x / 8, y / 8, 1]);
+        let fill_transmittance = Fill::new(device, "transmittance", &[sky(), t()], [x / 8, y / 8, 1]);
         let [x, y, _] = MULTIPLE;
         let fill_multiple =
             Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], [x / 8, y / 8, 1]);
@@ -559,8 +558,7 @@ fn background_pipeline(
     kind: BackgroundKind,
 ) -> wgpu::RenderPipeline {
     let module = gpu::shader_module(device, "sky");
-    let constants =
-        &[("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
+    let constants = &[("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
     let options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("sky"),

@@ -34,13 +34,12 @@ struct Layer {
 pub(super) const HUMILIS: Recipe = Recipe {
     name: "humilis",
     base: 1000.0,
-    layer: Layer { count: 6, radius: 72.0, spread: 105.0, flatness: 0.6 },
-    trunk: &[(60.0, 60.0)],
+    layer: Layer { count: 6, radius: 80.0, spread: 105.0, flatness: 0.6 },
+    trunk: &[(70.0, 72.0)],
     generations: &[
-        Growth { children: (3, 4), up: 0.5, out: 0.1 },
-        Growth { children: (1, 2), up: 0.6, out: 0.2 },
+        Growth { children: (2, 4), up: 0.5, out: 0.1 },
     ],
-    edges: Edges { boundary: 20.0, base: 0.4, top: 0.2 },
+    edges: Edges { boundary: 42.0, base: 0.35, top: 0.1 },
 };
 
 /// About as tall as wide, 800 m.
@@ -54,7 +53,7 @@ pub(super) const MEDIOCRIS: Recipe = Recipe {
         Growth { children: (3, 4), up: 0.4, out: 0.2 },
         Growth { children: (1, 1), up: 0.6, out: 0.3 },
     ],
-    edges: Edges { boundary: 40.0, base: 0.35, top: 0.15 },
+    edges: Edges { boundary: 105.0, base: 0.35, top: 0.05 },
 };
 
 /// A tower of 2 to 3 km, taller than wide, with cauliflower turrets.
@@ -68,7 +67,7 @@ pub(super) const CONGESTUS: Recipe = Recipe {
         Growth { children: (3, 4), up: 0.3, out: 0.4 },
         Growth { children: (0, 1), up: 0.5, out: 0.4 },
     ],
-    edges: Edges { boundary: 70.0, base: 0.35, top: 0.05 },
+    edges: Edges { boundary: 220.0, base: 0.3, top: 0.0 },
 };
 
 /// A thunderstorm: the tower that carries the anvil, 6 to 9 km in all.
@@ -76,15 +75,15 @@ pub(super) const CONGESTUS: Recipe = Recipe {
 pub(super) const CUMULONIMBUS: Recipe = Recipe {
     name: "cumulonimbus",
     base: 1000.0,
-    layer: Layer { count: 5, radius: 1300.0, spread: 1700.0, flatness: 0.45 },
+    layer: Layer { count: 7, radius: 1700.0, spread: 3000.0, flatness: 0.45 },
     trunk: &[
-        (1400.0, 1600.0), (2600.0, 1450.0), (3700.0, 1350.0),
-        (4700.0, 1300.0), (5700.0, 1350.0), (6500.0, 1400.0),
+        (1500.0, 2300.0), (2600.0, 2100.0), (3600.0, 1900.0),
+        (4500.0, 1700.0), (5300.0, 1600.0), (6000.0, 1500.0),
     ],
     generations: &[
         Growth { children: (3, 4), up: 0.2, out: 0.3 },
     ],
-    edges: Edges { boundary: 180.0, base: 0.35, top: 0.1 },
+    edges: Edges { boundary: 560.0, base: 0.3, top: 0.0 },
 };
 
 impl Recipe {
@@ -134,41 +133,39 @@ pub(super) fn cumulonimbus(dice: &mut Dice) -> Cloud {
 
 /// Thin wispy sheets of ice around the top of the tower, drawn out downwind (east).
 fn anvil(dice: &mut Dice) -> Cloud {
-    const SHEETS: usize = 14;
-    let mut heap = Heap::on(6600.0);
+    const SHEETS: usize = 24;
+    let mut heap = Heap::on(6300.0);
     for i in 0..SHEETS {
         let along = i as f64 / (SHEETS - 1) as f64;
         let jitter = dice.disc();
-        let width = 2000.0 - 700.0 * along;
         let p = DVec3::new(
-            -1600.0 + 6400.0 * along + 500.0 * jitter.x,
-            7450.0 + 250.0 * along + dice.between(-120.0, 120.0),
-            width * jitter.z,
+            -2600.0 + 8400.0 * along + 300.0 * jitter.x,
+            7150.0 + 250.0 * along + dice.between(-80.0, 80.0),
+            (2300.0 - 900.0 * along) * jitter.z,
         );
-        let size = dice.between(0.8, 1.1) * (1.0 - 0.3 * along);
-        let radii = size * DVec3::new(1900.0, 650.0 - 250.0 * along, 1600.0);
-        heap.put(dice, p, radii);
+        let size = dice.between(0.8, 1.1) * (1.0 - 0.25 * along);
+        heap.put(dice, p, size * DVec3::new(2100.0, 520.0 - 200.0 * along, 1800.0));
     }
     let mut cloud = heap.into_cloud("anvil", &ICE);
     for sheet in &mut cloud.ellipsoids {
-        sheet.density = 0.3;
+        sheet.density = 0.25;
     }
     cloud
 }
 
 /// Edges of an anvil: wispy all over.
-const ICE: Edges = Edges { boundary: 250.0, base: 0.85, top: 0.85 };
+const ICE: Edges = Edges { boundary: 450.0, base: 0.85, top: 0.85 };
 
 /// Edges of a torn cloud.
-const SHREDS: Edges = Edges { boundary: 24.0, base: 0.95, top: 0.85 };
+const SHREDS: Edges = Edges { boundary: 75.0, base: 0.95, top: 0.85 };
 
 /// Small torn shreds under a shower or in the morning.
 pub(super) fn fractus(dice: &mut Dice) -> Cloud {
     let mut heap = Heap::on(600.0);
-    for _ in 0..dice.count(10, 16) {
-        let p = dice.disc() * DVec3::new(220.0, 0.0, 120.0);
-        let size = dice.between(0.5, 1.0);
-        let radii = size * DVec3::new(90.0, 26.0, 50.0);
+    for _ in 0..dice.count(10, 14) {
+        let p = dice.disc() * DVec3::new(200.0, 0.0, 120.0);
+        let size = dice.between(0.6, 1.0);
+        let radii = size * DVec3::new(110.0, 46.0, 70.0);
         let lift = dice.between(0.0, 60.0);
         heap.put(dice, p + DVec3::Y * (600.0 + radii.y + lift), radii);
     }

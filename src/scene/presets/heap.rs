@@ -128,11 +128,10 @@ impl Heap {
         let top = self.lumps.iter().map(height).fold(1.0, f64::max);
         for lump in &mut self.lumps {
             let share = (lump.center.y - self.base) / top;
-            let boundary = edges.boundary.min(0.5 * lump.radii.min_element());
-            lump.edge = Some(Edge {
-                boundary: boundary.round(),
-                wispiness: hundredth(edges.base + (edges.top - edges.base) * share),
-            });
+            let wispiness = hundredth(edges.base + (edges.top - edges.base) * share);
+            // Wispy lumps have no core at all.
+            let thickest = (0.75 + wispiness) * lump.radii.min_element();
+            lump.edge = Some(Edge { boundary: edges.boundary.min(thickest).round(), wispiness });
         }
         Cloud {
             name: name.to_owned(),

@@ -6,9 +6,9 @@ use super::dice::Dice;
 use super::heap::{Edges, Heap};
 use crate::scene::Cloud;
 
-const FIELD: Edges = Edges { boundary: 45.0, base: 0.4, top: 0.25 };
+const FIELD: Edges = Edges { boundary: 85.0, base: 0.4, top: 0.2 };
 
-const SHEET: Edges = Edges { boundary: 20.0, base: 0.3, top: 0.3 };
+const SHEET: Edges = Edges { boundary: 40.0, base: 0.5, top: 0.5 };
 
 /// A field of twenty flat clouds over 6 by 5 km, base at 1200 m.
 pub(super) fn stratocumulus(dice: &mut Dice) -> Vec<Cloud> {
@@ -37,18 +37,16 @@ fn roll(dice: &mut Dice, p: DVec3, name: &str) -> Cloud {
     heap.into_cloud(name, &FIELD)
 }
 
-/// A thin sheet, 7 km across, its tops near 1120 m: a screen for glory and fogbow.
+/// A thin sheet, 9 km across, its tops near 1120 m: a screen for glory and fogbow. Its
+/// lumps are so wide that they do not show: only the noise does.
 /// It reaches far to the north, where the presets' camera looks.
 pub(super) fn sheet(dice: &mut Dice) -> Cloud {
     let mut heap = Heap::on(1000.0);
-    for row in 0..9 {
-        for column in 0..8 {
-            let grid = DVec3::new(column as f64 - 3.5, 0.0, row as f64 - 7.0);
-            let place = 850.0 * (grid + 0.2 * dice.disc());
-            let wide = dice.between(900.0, 1050.0);
-            let radii = DVec3::new(wide, dice.between(50.0, 62.0), wide);
-            heap.lay(dice, place, radii);
-        }
+    for i in 0..8 {
+        let place = DVec3::new(0.0, 0.0, -1800.0) + 400.0 * dice.disc();
+        let wide = 3600.0 + 150.0 * f64::from(i);
+        let thin = dice.between(58.0, 64.0);
+        heap.lay(dice, place, DVec3::new(wide, thin, wide));
     }
     heap.into_cloud("sheet", &SHEET)
 }

@@ -16,10 +16,6 @@ use crate::{Error, Result};
 use dice::Dice;
 use heap::tenths;
 
-/// Brightness at which a cloud in the sun is nearly white, stops: its radiance is
-/// about a fifth of the irradiance per steradian.
-const SUNLIT: f64 = 2.0;
-
 /// Vertical field of view of the presets' cameras, degrees.
 const FIELD_OF_VIEW: f64 = 40.0;
 
@@ -79,12 +75,7 @@ impl Preset {
     /// The scene that grows from `seed`: the same on every platform and in every run.
     pub fn scene(self, seed: u64) -> Scene {
         let dice = &mut Dice::new(seed);
-        let mut scene = Scene {
-            name: self.name().to_owned(),
-            clouds: self.clouds(dice),
-            exposure: SUNLIT,
-            ..Scene::default()
-        };
+        let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice), ..Scene::default() };
         scene.noise =
             Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
         scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
@@ -115,15 +106,15 @@ impl Preset {
         }
     }
 
-    /// Size of the largest billows, metres: about twice the boundary.
+    /// Size of the largest billows, metres: about one and a half times the boundary.
     fn noise_scale(self) -> f64 {
         match self {
-            Self::Humilis | Self::Glory => 45.0,
-            Self::Fractus => 60.0,
-            Self::Mediocris | Self::Stratocumulus => 90.0,
-            Self::Sphere | Self::Kol => 120.0,
-            Self::Congestus => 150.0,
-            Self::Cumulonimbus => 400.0,
+            Self::Humilis | Self::Glory | Self::Fractus => 60.0,
+            Self::Stratocumulus => 110.0,
+            Self::Mediocris => 140.0,
+            Self::Sphere | Self::Kol => 80.0,
+            Self::Congestus => 280.0,
+            Self::Cumulonimbus => 700.0,
         }
     }
 }
