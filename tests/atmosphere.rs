@@ -74,8 +74,10 @@ fn atmosphere_medium_agrees_with_bruneton() {
 #[test]
 fn rayleigh_phase_and_haze_phase_are_cornette_shanks_and_normalised() {
     let steps = 20_000;
-    let nus: Vec<_> = (0..steps).map(|i| [2.0 * (i as f32 + 0.5) / steps as f32 - 1.0, 0.8, 0.0, 0.0]).collect();
-    let values = gpu("return vec4f(rayleigh_phase(x.x), haze_phase(x.y, x.x), haze_phase(0.0, x.x), 0.0);", &nus);
+    let nus: Vec<_> =
+        (0..steps).map(|i| [2.0 * (i as f32 + 0.5) / steps as f32 - 1.0, 0.8, 0.0, 0.0]).collect();
+    let values =
+        gpu("return vec4f(rayleigh_phase(x.x), haze_phase(x.y, x.x), haze_phase(0.0, x.x), 0.0);", &nus);
     let width = 2.0 * 2.0 * PI / f64::from(steps);
     for (phase, name) in ["air", "haze", "haze with g = 0"].iter().enumerate() {
         let whole: f64 = values.iter().map(|v| f64::from(v[phase]) * width).sum();
@@ -96,8 +98,10 @@ fn rayleigh_phase_and_haze_phase_are_cornette_shanks_and_normalised() {
 #[test]
 fn horizon_square_square_to_top_and_horizon_mu_do_not_cancel() {
     let inputs = pairs(&ALTITUDES, &[0.0]);
-    let values =
-        gpu("return vec4f(horizon_square(earth, x.x), square_to_top(earth, x.x), horizon_mu(earth, x.x), 0.0);", &inputs);
+    let values = gpu(
+        "return vec4f(horizon_square(earth, x.x), square_to_top(earth, x.x), horizon_mu(earth, x.x), 0.0);",
+        &inputs,
+    );
     for (x, v) in inputs.iter().zip(values) {
         let h = f64::from(x[0]);
         let r = GROUND + h;
@@ -141,7 +145,8 @@ fn distance_to_ground_holds_to_the_grazing_ray() {
         let grazing = 1.0 + across.abs() / root;
         close(&format!("{x:?}"), v[0], want, 3e-7 * grazing * want);
     }
-    let tangent = gpu("return vec4f(distance_to_ground(earth, x.x, horizon_mu(earth, x.x)));", &[[1e5, 0.0, 0.0, 0.0]]);
+    let tangent =
+        gpu("return vec4f(distance_to_ground(earth, x.x, horizon_mu(earth, x.x)));", &[[1e5, 0.0, 0.0, 0.0]]);
     // Half the digits are left at the tangent itself.
     close("tangent", tangent[0][0], (1e5f64 * (2.0 * GROUND + 1e5)).sqrt(), 600.0);
 }
@@ -288,7 +293,9 @@ fn transmittance_to_top_has_the_closed_form_at_the_zenith_and_the_reference_else
             + tent
     };
     let inputs = pairs(&[0.0, 500.0, 5e3], &[1.0]);
-    for (x, v) in inputs.iter().zip(gpu("return vec4f(transmittance_to_top(earth, x.x, x.y, 48u), 0.0);", &inputs)) {
+    for (x, v) in
+        inputs.iter().zip(gpu("return vec4f(transmittance_to_top(earth, x.x, x.y, 48u), 0.0);", &inputs))
+    {
         for c in 0..3 {
             let want = (-columns(c, f64::from(x[0]))).exp();
             // 48 midpoint steps; the rounding to a half float in the table is as large.
@@ -296,7 +303,9 @@ fn transmittance_to_top_has_the_closed_form_at_the_zenith_and_the_reference_else
         }
     }
     let inputs = pairs(&ALTITUDES, &[1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.0]);
-    for (x, v) in inputs.iter().zip(gpu("return vec4f(transmittance_to_top(earth, x.x, x.y, 48u), 0.0);", &inputs)) {
+    for (x, v) in
+        inputs.iter().zip(gpu("return vec4f(transmittance_to_top(earth, x.x, x.y, 48u), 0.0);", &inputs))
+    {
         let want = Air::EARTH.transmittance(GROUND + f64::from(x[0]), f64::from(x[1]));
         for c in 0..3 {
             // 48 midpoint steps.
@@ -323,7 +332,8 @@ fn sun_visibility_is_the_share_of_the_disc() {
 #[test]
 fn unit_from_mu_sun_rises_and_mu_sun_from_unit_inverts_it() {
     let inputs: Vec<_> = sines(200).iter().map(|&mu| [mu, 0.0, 0.0, 0.0]).collect();
-    let values = gpu("let u = unit_from_mu_sun(x.x); return vec4f(u, mu_sun_from_unit(u), 0.0, 0.0);", &inputs);
+    let values =
+        gpu("let u = unit_from_mu_sun(x.x); return vec4f(u, mu_sun_from_unit(u), 0.0, 0.0);", &inputs);
     assert_eq!((values[0][0], values[200][0]), (0.0, 1.0));
     assert!(values.windows(2).all(|pair| pair[0][0] < pair[1][0]));
     for (x, v) in inputs.iter().zip(values) {
@@ -367,9 +377,11 @@ fn sky_view_uv_keeps_its_half_and_sky_view_point_inverts_it() {
 #[test]
 fn half_azimuth_sine_and_sky_view_ray_give_back_the_angle_to_the_sun() {
     let mut inputs = Vec::new();
-    for (elevation, sun, azimuth) in [(0.2, 0.5, 0.0), (0.2, 0.5, 1.0), (-0.4, -0.1, 3.0), (1.5, 0.3, 2.0), (0.0, 1.5, PI)]
+    for (elevation, sun, azimuth) in
+        [(0.2, 0.5, 0.0), (0.2, 0.5, 1.0), (-0.4, -0.1, 3.0), (1.5, 0.3, 2.0), (0.0, 1.5, PI)]
     {
-        let unit = |e: f64, a: f64| [(e.cos() * a.sin()) as f32, e.sin() as f32, (-e.cos() * a.cos()) as f32, 0.0];
+        let unit =
+            |e: f64, a: f64| [(e.cos() * a.sin()) as f32, e.sin() as f32, (-e.cos() * a.cos()) as f32, 0.0];
         inputs.push([unit(elevation, 0.7 + azimuth), unit(sun, 0.7)]);
         inputs.push([unit(PI / 2.0, 0.0), unit(sun, 0.7)]);
     }

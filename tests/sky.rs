@@ -13,7 +13,9 @@ use std::f64::consts::PI;
 use common::gpu;
 use glam::{DVec3, Vec3};
 use half::f16;
-use nephos::gpu::{ComputeProgram, TextureDesc, link, read_buffer, read_texture, storage_buffer, texture, validate};
+use nephos::gpu::{
+    ComputeProgram, TextureDesc, link, read_buffer, read_texture, storage_buffer, texture, validate,
+};
 use nephos::render::{AtmosphereUniform, CameraUniform, Redone, Sky, SkySettings, SkyUniform};
 use nephos::scene::{Atmosphere, Camera, Ellipsoid, Projection, Scene, Sky as SceneSky, SunPosition};
 use reference::{Air, GROUND, Multiple, Ray, Rgb};
@@ -30,7 +32,12 @@ fn scene(elevation_deg: f64) -> Scene {
 /// A panorama, north in the middle, from `altitude` metres.
 fn panorama(altitude: f64) -> Camera {
     let position = DVec3::new(0.0, altitude, 0.0);
-    Camera { position, target: position + DVec3::NEG_Z, roll_deg: 0.0, projection: Projection::Equirectangular }
+    Camera {
+        position,
+        target: position + DVec3::NEG_Z,
+        roll_deg: 0.0,
+        projection: Projection::Equirectangular,
+    }
 }
 
 struct Picture {
@@ -54,8 +61,14 @@ fn draw(sky: &mut Sky, scene: &Scene, camera: &Camera, size: [u32; 2]) -> (Pictu
     );
     let camera = CameraUniform::new(camera, scene.ground.altitude, size);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let redone =
-        sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &SkySettings::new(scene, scene.sun.to_sun()), &camera, None);
+    let redone = sky.prepare(
+        &gpu.device,
+        &gpu.queue,
+        &mut encoder,
+        &SkySettings::new(scene, scene.sun.to_sun()),
+        &camera,
+        None,
+    );
     sky.draw(&gpu.device, &mut encoder, &target.create_view(&Default::default()), FORMAT, None);
     gpu.queue.submit([encoder.finish()]);
     (Picture { width: size[0], pixels: texels(&target) }, redone)
@@ -110,7 +123,8 @@ fn with_tables(sky: &Sky, body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
 }
 
 fn sun_at(sky: &Sky, altitude: f32, elevation_deg: f32) -> [f32; 4] {
-    let body = "return vec4f(sun_irradiance_at(sky.atmosphere, transmittance, linear_sampler, x.x, x.y), 0.0);";
+    let body =
+        "return vec4f(sun_irradiance_at(sky.atmosphere, transmittance, linear_sampler, x.x, x.y), 0.0);";
     with_tables(sky, body, &[[altitude, elevation_deg.to_radians().sin(), 0.0, 0.0]])[0]
 }
 
@@ -122,7 +136,8 @@ fn relative_error(got: [f32; 4], want: Rgb) -> f64 {
 fn the_uniforms_are_laid_out_as_the_shader_has_them() {
     let module = validate(&link("// @use atmosphere\n")).expect("valid");
     let offset = |structure: &str, member: &str| {
-        let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(structure)).expect("exists");
+        let (_, found) =
+            module.types.iter().find(|(_, t)| t.name.as_deref() == Some(structure)).expect("exists");
         let wgpu::naga::TypeInner::Struct { members, .. } = &found.inner else { panic!("no struct") };
         members.iter().find(|m| m.name.as_deref() == Some(member)).expect("has it").offset as usize
     };
@@ -150,7 +165,11 @@ fn the_transmittance_table_holds_the_reference() {
             let r = (GROUND * GROUND + rho * rho).sqrt();
             let near = reference::TOP - r;
             let d = near + f64::from(x) / f64::from(width - 1) * (rho + whole - near);
-            let mu = if d < 1e-3 { 1.0 } else { ((whole * whole - rho * rho - d * d) / (2.0 * r * d)).clamp(-1.0, 1.0) };
+            let mu = if d < 1e-3 {
+                1.0
+            } else {
+                ((whole * whole - rho * rho - d * d) / (2.0 * r * d)).clamp(-1.0, 1.0)
+            };
             let want = Air::EARTH.transmittance(r, mu);
             let got = texels[(y * width + x) as usize];
             for c in 0..3 {
@@ -172,7 +191,10 @@ fn sun_irradiance_at_agrees_between_texels_and_sets_smoothly() {
             let want = Air::EARTH.sun(GROUND + f64::from(altitude), f64::from(elevation.to_radians().sin()));
             for c in 0..3 {
                 // Bilinear between 256 by 64 texels.
-                assert!((f64::from(got[c]) - want[c]).abs() < 3e-3, "{altitude} {elevation}: {got:?} {want:?}");
+                assert!(
+                    (f64::from(got[c]) - want[c]).abs() < 3e-3,
+                    "{altitude} {elevation}: {got:?} {want:?}"
+                );
             }
         }
     }
@@ -218,7 +240,18 @@ fn compare_panoramas(haze: f64, albedo: Rgb, elevations: &[f64], altitudes: &[f6
             scene.sun.irradiance = [1e3; 3];
             let (picture, _) = draw(&mut sky, &scene, &panorama(altitude), size);
             // Columns 31 and 32 hold the sun; the rows at the horizon are half of each.
-            for pixel in [[34, 2], [36, 9], [40, 12], [33, 14], [45, 14], [63, 14], [63, 4], [50, 18], [35, 22], [60, 31]] {
+            for pixel in [
+                [34, 2],
+                [36, 9],
+                [40, 12],
+                [33, 14],
+                [45, 14],
+                [63, 14],
+                [63, 4],
+                [50, 18],
+                [35, 22],
+                [60, 31],
+            ] {
                 let ray = panorama_ray(altitude, elevation, pixel, size);
                 let want = reference::sky_radiance(&air, &multiple, ray);
                 let got = picture.at(pixel[0], pixel[1]).map(|light| 1e-3 * light);
@@ -265,12 +298,18 @@ fn every_sun_and_altitude_gives_finite_light() {
         for altitude in [-100e3, -1.0, 0.0, 0.1, 20e3, 99.9e3, 100e3, 400e3, 1e7] {
             let (picture, _) = draw(&mut sky, &scene(elevation), &panorama(altitude), [32, 32]);
             for pixel in &picture.pixels {
-                assert!(pixel.iter().all(|v| v.is_finite() && *v >= 0.0), "{elevation} {altitude}: {pixel:?}");
+                assert!(
+                    pixel.iter().all(|v| v.is_finite() && *v >= 0.0),
+                    "{elevation} {altitude}: {pixel:?}"
+                );
                 assert_eq!(pixel[3], 1.0);
             }
             let tables = [sky.transmittance(), sky.sky_light(), sky.aerial()];
             for texel in tables.iter().flat_map(|view| texels(view.texture())) {
-                assert!(texel.iter().all(|v| v.is_finite() && *v >= 0.0), "{elevation} {altitude}: {texel:?}");
+                assert!(
+                    texel.iter().all(|v| v.is_finite() && *v >= 0.0),
+                    "{elevation} {altitude}: {texel:?}"
+                );
             }
         }
     }
@@ -398,12 +437,20 @@ fn a_uniform_sky_has_exactly_its_radiance_everywhere() {
         assert!(picture.pixels.iter().all(|p| *p == [0.25, 0.5, 2.0, 1.0]));
     }
     for part in 0..3 {
-        let light = with_tables(&sky, "return vec4f(light_of_sky(light, u32(x.x)), 1.0);", &[[part as f32, 0.0, 0.0, 0.0]]);
+        let light = with_tables(
+            &sky,
+            "return vec4f(light_of_sky(light, u32(x.x)), 1.0);",
+            &[[part as f32, 0.0, 0.0, 0.0]],
+        );
         assert_eq!(light[0], [0.25, 0.5, 2.0, 1.0]);
     }
     assert_eq!(texels(sky.transmittance().texture()), [[1.0; 4]]);
     assert_eq!(texels(sky.aerial().texture()), [[0.0, 0.0, 0.0, 1.0]]);
-    let air = with_tables(&sky, "return aerial_perspective(volume, linear_sampler, x.xy, x.z, 6e4);", &[[0.5, 0.5, 1e4, 0.0]]);
+    let air = with_tables(
+        &sky,
+        "return aerial_perspective(volume, linear_sampler, x.xy, x.z, 6e4);",
+        &[[0.5, 0.5, 1e4, 0.0]],
+    );
     assert_eq!(air[0], [0.0, 0.0, 0.0, 1.0]);
 }
 

@@ -11,6 +11,8 @@ mod optics;
 mod quality;
 mod renderer;
 mod sky;
+mod sky_background;
+mod sky_settings;
 mod stats;
 mod tiles;
 
@@ -18,5 +20,6 @@ pub use camera::CameraUniform;
 pub use frame::Frame;
 pub use quality::Quality;
 pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
-pub use sky::{AtmosphereUniform, Redone, Sky, SkySettings, SkyUniform};
+pub use sky::{Redone, Sky};
+pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use stats::Counts;

@@ -248,10 +248,7 @@ pub fn sky_radiance(air: &Air, multiple: &Multiple, ray: Ray) -> Rgb {
     let (length, ground) = ray.length();
     let (light, through) = air_light(air, multiple, ray, length, 64);
     let foot = ray.at(length).mu_sun;
-    let lit = if ground && air.albedo != [0.0; 3] {
-        ground_irradiance(air, multiple, foot)
-    } else {
-        [0.0; 3]
-    };
+    let lit =
+        if ground && air.albedo != [0.0; 3] { ground_irradiance(air, multiple, foot) } else { [0.0; 3] };
     std::array::from_fn(|c| light[c] + air.albedo[c] / PI * lit[c] * through[c])
 }
