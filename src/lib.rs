@@ -1,7 +1,5 @@
 //! Clouds from ellipsoids, fractal noise and Mie scattering, on the GPU.
 
-#![warn(missing_docs)]
-
 #[cfg(feature = "cli")]
 pub mod cli;
 mod error;

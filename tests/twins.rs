@@ -309,7 +309,7 @@ fn twins() -> Vec<Twin> {
             "phase_coordinate",
             "phase",
             "let t = x[0].x; return vec4f(phase_coordinate(vec3f(0.0, 0.6, 0.8), cos(t) * vec3f(0.0, 0.6, 0.8) + sin(t) * vec3f(1.0, 0.0, 0.0)));",
-            grid(&[0.0, 1e-3, 0.01, 0.1, 0.5, 1.0, 1.5707, 1.58, 2.5, 3.1, 3.14], &[0.0], &[0.0], &[0.0]),
+            grid(&[0.0, 1e-3, 0.01, 0.1, 0.5, 1.0, 1.55, 1.6, 2.5, 3.1, 3.135], &[0.0], &[0.0], &[0.0]),
             |x| {
                 let t = x[0][0];
                 one(if t < PI / 2.0 { (0.5 * t / PI).sqrt() } else { 1.0 - (0.5 * (PI - t) / PI).sqrt() })

@@ -8,6 +8,8 @@ mod timing;
 
 pub use device::{AdapterSummary, Gpu, adapters};
 pub use readback::{read_buffer, read_texture};
+#[cfg(test)]
+pub(crate) use shader::entry_point;
 pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
 pub(crate) use shader::{bind_group, shader_module};
 pub use texture::{TextureDesc, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer};

@@ -6,13 +6,13 @@ use crate::gpu;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ComposeUniform {
-    exposure: f32,
-    padding: [f32; 3],
+    pub(super) exposure: f32,
+    pub(super) padding: [f32; 3],
 }
 
 /// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
 /// irradiance per steradian, comes out just below white.
-const BASE: f64 = 3.5;
+const BASE: f64 = 6.0;
 
 impl ComposeUniform {
     /// For an exposure in stops.

@@ -11,18 +11,18 @@ use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct LightBox {
-    corner: Vec3,
-    size_x: f32,
-    across_x: Vec3,
-    size_y: f32,
-    across_y: Vec3,
-    size_z: f32,
-    along: Vec3,
-    before: f32,
-    own: u32,
-    all: u32,
-    chop: f32,
-    asymmetry: f32,
+    pub(super) corner: Vec3,
+    pub(super) size_x: f32,
+    pub(super) across_x: Vec3,
+    pub(super) size_y: f32,
+    pub(super) across_y: Vec3,
+    pub(super) size_z: f32,
+    pub(super) along: Vec3,
+    pub(super) before: f32,
+    pub(super) own: u32,
+    pub(super) all: u32,
+    pub(super) chop: f32,
+    pub(super) asymmetry: f32,
 }
 
 impl LightBox {

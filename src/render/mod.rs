@@ -5,6 +5,8 @@ mod clouds;
 mod compose;
 mod ellipsoids;
 mod frame;
+#[cfg(test)]
+mod layouts;
 mod light;
 mod noise;
 mod optics;
@@ -18,6 +20,7 @@ mod tiles;
 
 pub use camera::CameraUniform;
 pub use frame::Frame;
+pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub use quality::Quality;
 pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
 pub use sky::{Redone, Sky};

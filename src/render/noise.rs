@@ -33,15 +33,15 @@ const DEVIATION: f32 = 0.55;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct NoiseFrame {
-    coarse_x: Vec4,
-    coarse_y: Vec4,
-    coarse_z: Vec4,
-    fine_x: Vec4,
-    fine_y: Vec4,
-    fine_z: Vec4,
-    fine_weight: f32,
-    texels_per_metre: f32,
-    padding: [f32; 2],
+    pub(super) coarse_x: Vec4,
+    pub(super) coarse_y: Vec4,
+    pub(super) coarse_z: Vec4,
+    pub(super) fine_x: Vec4,
+    pub(super) fine_y: Vec4,
+    pub(super) fine_z: Vec4,
+    pub(super) fine_weight: f32,
+    pub(super) texels_per_metre: f32,
+    pub(super) padding: [f32; 2],
 }
 
 /// Ratio of the fine look-up's frequency to the coarse one's [K 3.4.6].
@@ -83,7 +83,7 @@ fn rows(turn: DQuat, period: f64, origin: DVec3) -> [Vec4; 3] {
 
 /// Billows and wisps in [-1, 1], in order x, y, z: mean 0, each octave normalised.
 pub fn bake(seed: u32) -> Vec<[f32; 2]> {
-    let wisps = sum_octaves(seed, |point, hasher| perlin_3d(point, hasher));
+    let wisps = sum_octaves(seed, perlin_3d);
     let billows = sum_octaves(seed.wrapping_add(1), |point, hasher| {
         -worley_3d(hasher, euclidean_squared, ReturnType::Distance, point)
     });
@@ -188,4 +188,77 @@ fn halved(level: &[[f32; 2]], size: u32) -> Vec<[f32; 2]> {
         sum.map(|sum| sum / 8.0)
     };
     (0..size * size * size).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mean(values: impl Iterator<Item = f32>) -> f64 {
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + f64::from(x), count + 1.0));
+        sum / count
+    }
+
+    #[test]
+    fn noise_has_mean_zero_the_set_deviation_and_stays_in_range() {
+        let noise = bake(3);
+        for channel in 0..2 {
+            let values = || noise.iter().map(|texel| texel[channel]);
+            assert!(mean(values()).abs() < 0.03, "clipping may shift the mean a little");
+            let deviation = mean(values().map(|x| x * x)).sqrt();
+            assert!((deviation - f64::from(DEVIATION)).abs() < 0.04, "{deviation}");
+            assert!(values().all(|x| (-1.0..=1.0).contains(&x)));
+        }
+    }
+
+    #[test]
+    fn noise_repeats_without_a_seam() {
+        // Neighbours across the edge differ as neighbours inside do.
+        let noise = bake(3);
+        let at = |x: u32, y: u32, z: u32| noise[((z * SIZE + y) * SIZE + x) as usize];
+        let step = |a: u32, b: u32, channel: usize| {
+            let squares = (0..SIZE * SIZE).map(|i| {
+                let (y, z) = (i % SIZE, i / SIZE);
+                (at(a, y, z)[channel] - at(b, y, z)[channel]).powi(2)
+            });
+            mean(squares).sqrt()
+        };
+        for channel in 0..2 {
+            let inside: f64 =
+                (0..SIZE - 1).map(|x| step(x, x + 1, channel)).sum::<f64>() / f64::from(SIZE - 1);
+            let across = step(SIZE - 1, 0, channel);
+            assert!(across < 1.5 * inside, "channel {channel}: {across} across the seam, {inside} inside");
+        }
+    }
+
+    #[test]
+    fn each_octave_halves_in_amplitude() {
+        // What a mip level takes away lies between its octaves: variance falls with each.
+        let mut level = bake(3);
+        let mut size = SIZE;
+        let variance = |level: &[[f32; 2]]| mean(level.iter().map(|texel| texel[1] * texel[1]));
+        let whole = variance(&level);
+        for expected in [1.0, 0.93, 0.75] {
+            let share = variance(&level) / whole;
+            assert!((share - expected).abs() < 0.15, "{share} for {expected} at {size}");
+            size /= 2;
+            level = halved(&level, size);
+        }
+    }
+
+    #[test]
+    fn seeds_differ_and_repeat() {
+        assert_eq!(bake(5), bake(5));
+        assert_ne!(bake(5), bake(6));
+    }
+
+    #[test]
+    fn lookup_far_from_the_origin_keeps_its_precision() {
+        let noise = scene::Noise { scale: 100.0, ..Default::default() };
+        let period = noise.scale * f64::from(CELLS[0]);
+        let near = NoiseFrame::new(&noise, DVec3::new(10.0, 20.0, 30.0));
+        let far = NoiseFrame::new(&noise, DVec3::new(10.0 + 1e4 * period, 20.0, 30.0 - 1e4 * period));
+        assert!((near.coarse_x.w - far.coarse_x.w).abs() < 1e-5);
+        assert!((near.coarse_z.w - far.coarse_z.w).abs() < 1e-5);
+    }
 }

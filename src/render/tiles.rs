@@ -144,3 +144,85 @@ impl Wedge {
         self.everything || !(self.planes.iter().any(beyond) || self.front.iter().any(beyond))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, Cloud, Ellipsoid, Projection};
+    use glam::{DQuat, DVec3};
+
+    fn ellipsoids() -> Vec<EllipsoidUniform> {
+        let places = [[0.0, 0.0, 0.0], [150.0, 30.0, -40.0], [-220.0, -60.0, 90.0]];
+        let cloud = Cloud::default();
+        let turned = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.8);
+        places
+            .map(|center| {
+                let mut e = Ellipsoid::new(center.into(), DVec3::new(90.0, 12.0, 40.0));
+                e.orientation = turned;
+                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
+            })
+            .to_vec()
+    }
+
+    fn hit(e: &EllipsoidUniform, (origin, direction): (Vec3A, Vec3A), eye: Vec3) -> bool {
+        let to_unit = |v: Vec3| {
+            Vec3::new(e.row_x.truncate().dot(v), e.row_y.truncate().dot(v), e.row_z.truncate().dot(v))
+        };
+        let (o, d) = (to_unit(eye + Vec3::from(origin) - e.center), to_unit(direction.into()));
+        let t = -o.dot(d) / d.length_squared();
+        let enters = (o + t * d).length() < 1.0;
+        enters && (t > 0.0 || o.length() < 1.0)
+    }
+
+    #[test]
+    fn every_ray_that_meets_an_ellipsoid_is_in_a_tile_that_lists_it() {
+        let ellipsoids = ellipsoids();
+        let projections = [
+            Projection::Perspective { vertical_fov_deg: 40.0 },
+            Projection::Perspective { vertical_fov_deg: 150.0 },
+            Projection::Orthographic { height: 500.0 },
+            Projection::Equirectangular,
+        ];
+        let eyes = [[0.0, 0.0, 600.0], [30.0, 5.0, 10.0], [-400.0, 300.0, -200.0], [0.0, 900.0, 0.1]];
+        let size = [120u32, 68];
+        for projection in projections {
+            for eye in eyes.map(DVec3::from) {
+                let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 20.0, projection };
+                let camera = CameraUniform::new(&camera, 0.0, size);
+                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids, 0.0);
+                for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+                    let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
+                    let ray = camera.ray(uv);
+                    let owners: Vec<_> = cover.tiles.iter().filter(|tile| contains(tile, x, y)).collect();
+                    assert!(owners.len() <= 1, "pixel {x} {y} is launched twice");
+                    for (i, e) in ellipsoids.iter().enumerate() {
+                        let listed = owners.iter().any(|tile| list(&cover, tile).contains(&(i as u32)));
+                        assert!(
+                            listed || !hit(e, ray, eye.as_vec3()),
+                            "{projection:?} from {eye}: {x} {y} misses {i}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn tiles_are_few_where_the_cloud_is_small() {
+        let eye = DVec3::new(0.0, 0.0, 20_000.0);
+        let camera =
+            Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
+        let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
+        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), 0.0);
+        let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();
+        assert!((100..8000).contains(&pixels), "{pixels} of two million");
+    }
+
+    fn contains(tile: &Tile, x: u32, y: u32) -> bool {
+        (tile.area[0]..tile.area[2]).contains(&x) && (tile.area[1]..tile.area[3]).contains(&y)
+    }
+
+    fn list<'a>(cover: &'a Cover, tile: &Tile) -> &'a [u32] {
+        &cover.candidates[tile.first as usize..][..tile.count as usize]
+    }
+}

@@ -2,6 +2,9 @@
 //! function of `shaders/lib` over many inputs.
 #![allow(dead_code, reason = "every test file uses its own part of it")]
 
+#[cfg(feature = "export")]
+pub mod picture;
+
 use std::sync::OnceLock;
 
 use nephos::gpu::{ComputeProgram, Gpu, read_buffer, storage_buffer};
@@ -29,6 +32,17 @@ pub fn evaluate_with<const N: usize>(
     body: &str,
     inputs: &[[[f32; 4]; N]],
 ) -> Vec<[f32; 4]> {
+    evaluate_bound(uses, declarations, body, inputs, &[])
+}
+
+/// The same with resources for bindings 2 and on, which the declarations name.
+pub fn evaluate_bound<const N: usize>(
+    uses: &str,
+    declarations: &str,
+    body: &str,
+    inputs: &[[[f32; 4]; N]],
+    resources: &[wgpu::BindingResource<'_>],
+) -> Vec<[f32; 4]> {
     let source = format!(
         "// @use {uses}
         {declarations}
@@ -44,8 +58,9 @@ pub fn evaluate_with<const N: usize>(
     let input = storage_buffer(&gpu.device, "inputs", &flat);
     let output = storage_buffer(&gpu.device, "outputs", &vec![[0.0f32; 4]; inputs.len()]);
     let program = ComputeProgram::from_source(&gpu.device, "kernel", &source);
-    let group =
-        program.bind(&gpu.device, &[Some(input.as_entire_binding()), Some(output.as_entire_binding())]);
+    let mut bindings = vec![Some(input.as_entire_binding()), Some(output.as_entire_binding())];
+    bindings.extend(resources.iter().cloned().map(Some));
+    let group = program.bind(&gpu.device, &bindings);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     program.dispatch(&mut encoder, &group, [(inputs.len() as u32).div_ceil(64), 1, 1], None);
     gpu.queue.submit([encoder.finish()]);

@@ -1,0 +1,36 @@
+# Two commands do all the set-up: `make demo` renders a picture, `make test` runs the tests.
+# Both look for a Vulkan driver first; where there is none and apt is, they install Mesa's.
+
+PICTURE := target/demo.png
+# lavapipe prints a warning on every run without a private folder of its own.
+export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
+
+.PHONY: demo test lint docs examples driver
+
+demo: driver
+	cargo build --release
+	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
+	@echo "The picture is $(CURDIR)/$(PICTURE)"
+
+test: driver
+	cargo test --all-features
+
+lint:
+	cargo fmt --check
+	cargo clippy --all-targets --all-features -- -D warnings
+	cargo clippy --no-default-features -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features
+	@! cargo tree --no-default-features -e normal --prefix none | grep -E '^(clap|egui|eframe|indicatif|image|exr) ' \
+		|| { echo "The library alone must not depend on the crates above."; exit 1; }
+	@! cargo tree -d --all-features -e normal --prefix none | grep -E '^(wgpu|naga|glam) ' \
+		|| { echo "There must be one version of each of the crates above."; exit 1; }
+
+# The scenes under examples/ are the presets: written anew when a preset changes.
+examples:
+	cargo build --release
+	for preset in examples/scenes/*.json; do \
+		./target/release/nephos new --preset $$(basename $$preset .json) --force -o $$preset; \
+	done
+
+driver:
+	@sh .ci/driver

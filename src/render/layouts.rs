@@ -1,0 +1,78 @@
+//! The structs that Rust and the shaders share, compared member by member.
+
+use std::mem::{offset_of, size_of};
+
+use wgpu::naga::{TypeInner, proc::Layouter};
+
+use super::{
+    camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
+    light::LightBox, noise::NoiseFrame, tiles::Tile,
+};
+use crate::gpu;
+
+/// Name, offset and size of each member, and the size of the whole.
+type Layout = (Vec<(String, u32, u32)>, u32);
+
+macro_rules! layout {
+    ($type:ty: $($member:ident),+ $(,)?) => {{
+        fn size<T, M>(_: fn(&T) -> &M) -> u32 {
+            size_of::<M>() as u32
+        }
+        let members = vec![$((
+            stringify!($member).to_owned(),
+            offset_of!($type, $member) as u32,
+            size(|value: &$type| &value.$member),
+        )),+];
+        (members, size_of::<$type>() as u32)
+    }};
+}
+
+fn in_shader(entry_point: &str, name: &str) -> Layout {
+    let module = gpu::validate(&gpu::entry_point(entry_point)).unwrap();
+    let mut layouter = Layouter::default();
+    layouter.update(module.to_ctx()).unwrap();
+    let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
+    let TypeInner::Struct { members, span } = &found.inner else { panic!("{name} is no struct") };
+    let member = |m: &wgpu::naga::StructMember| (m.name.clone().unwrap(), m.offset, layouter[m.ty].size);
+    // Padding is nobody's business.
+    let named = members.iter().map(member).filter(|(name, ..)| !name.starts_with("padding"));
+    (named.collect(), *span)
+}
+
+#[test]
+fn structs_of_rust_and_shaders_agree() {
+    let cases: [(&str, &str, Layout); 7] = [
+        (
+            "clouds",
+            "Camera",
+            layout!(CameraUniform: right, projection, up, altitude, forward, pixel, size, jitter),
+        ),
+        (
+            "clouds",
+            "Ellipsoid",
+            layout!(EllipsoidUniform: row_x, row_y, row_z, center, extinction, displacement, rise, wispiness, core),
+        ),
+        (
+            "clouds",
+            "NoiseFrame",
+            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, fine_weight, texels_per_metre),
+        ),
+        (
+            "clouds",
+            "LightBox",
+            layout!(LightBox: corner, size_x, across_x, size_y, across_y, size_z, along, before, own, all, chop,
+                asymmetry),
+        ),
+        (
+            "clouds",
+            "Cloud",
+            layout!(CloudUniform: camera, chop, to_sun, asymmetry, sun_irradiance, albedo, base, top, slab_length,
+                aerial_range, first_step, growth, opaque, sun_reach, longest_step, scene_depth, sun, sky),
+        ),
+        ("clouds", "Tile", layout!(Tile: area, first, count)),
+        ("compose", "Compose", layout!(ComposeUniform: exposure)),
+    ];
+    for (shader, name, rust) in cases {
+        assert_eq!(in_shader(shader, name), rust, "{name}");
+    }
+}
