@@ -13,6 +13,8 @@ mod optics;
 mod quality;
 mod renderer;
 mod sky;
+mod sky_background;
+mod sky_settings;
 mod stats;
 mod tiles;
 
@@ -21,5 +23,6 @@ pub use frame::Frame;
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub use quality::Quality;
 pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
-pub use sky::{AtmosphereUniform, Redone, Sky, SkySettings, SkyUniform};
+pub use sky::{Redone, Sky};
+pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use stats::Counts;

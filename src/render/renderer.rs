@@ -8,7 +8,8 @@ use super::{
     frame::{CloudFrame, Frame},
     light::{CloudLight, Inputs, LightPass},
     noise,
-    sky::{Sky, SkySettings},
+    sky::Sky,
+    sky_settings::SkySettings,
     stats::Counters,
 };
 use crate::{

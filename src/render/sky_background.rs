@@ -1,0 +1,51 @@
+//! The pipelines that draw the sky behind everything: one for each kind of sky and target.
+
+use wgpu::TextureFormat;
+
+use crate::gpu;
+
+/// The background's pipeline, of one kind of sky, into one kind of target.
+pub(super) struct Background {
+    pub kind: BackgroundKind,
+    pub format: TextureFormat,
+    pub pipeline: wgpu::RenderPipeline,
+    pub group: wgpu::BindGroup,
+}
+
+/// What is compiled in.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct BackgroundKind {
+    pub atmosphere: bool,
+    pub sun_disc: bool,
+}
+
+pub(super) fn background_pipeline(
+    device: &wgpu::Device,
+    format: TextureFormat,
+    kind: BackgroundKind,
+) -> wgpu::RenderPipeline {
+    let module = gpu::shader_module(device, "sky");
+    let constants = &[("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
+    let options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("sky"),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: options(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
