@@ -1,1 +1,22 @@
-//! (being written)
+//! What cloud droplets do to light, in f64 and without a GPU.
+//!
+//! [`water`] gives the refractive index, [`mie`] scatters light at one sphere,
+//! [`droplets`] averages that over a size distribution, [`phase`] offers the
+//! result (and the textbook alternatives) as phase functions, and [`peak`]
+//! takes the forward peak off them. [`table`] runs the first three for all
+//! droplet sizes and writes what [`crate::tables`] reads.
+//!
+//! Conventions: the scattering angle `theta` is in radians between the
+//! directions of propagation before and after scattering, 0 straight on. Phase
+//! functions are in 1/sr and integrate to 1 over the sphere. Arrays of three
+//! are red, green, blue.
+
+pub mod droplets;
+pub mod mie;
+pub mod peak;
+pub mod phase;
+pub mod table;
+pub mod water;
+
+/// Wavelengths of the red, green and blue channels in micrometres.
+pub const WAVELENGTHS_UM: [f64; 3] = [0.650, 0.550, 0.450];
