@@ -389,12 +389,12 @@ fn shade(v: Varyings) -> Shade {
     let sun = mix(v.sun_base, v.sun_top, height);
     let u = phase_coordinate(-cloud.to_sun, -ray.direction);
     let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
-    var single = wide / (1.0 - cloud.chop) * m.single;
+    var single = wide * m.single;
     if PEAK {
         let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
         single += peak * recovered_peak(m.optical_depth, cloud.chop);
     }
-    single *= cloud.albedo * sun;
+    single *= sun;
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
     let multiple = cloud.albedo * (sun * m.multiple + diffuse);
     if !ATMOSPHERE {
@@ -424,6 +424,7 @@ struct LightLayers {
 @fragment
 fn layers(v: Varyings) -> LightLayers {
     let s = shade(v);
+    store_counts();
     return LightLayers(vec4f(s.single, s.alpha), vec4f(s.multiple, s.alpha), vec4f(s.air, s.alpha),
         vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
 }
@@ -432,5 +433,6 @@ fn layers(v: Varyings) -> LightLayers {
 @fragment
 fn normals(v: Varyings) -> @location(0) vec4f {
     let s = shade(v);
+    store_counts();
     return vec4f(s.normal, s.alpha);
 }

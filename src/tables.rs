@@ -124,17 +124,13 @@ impl MieTables {
         self.check_range(effective_radius_um)?;
         let nodes = self.nodes(effective_radius_um);
         let mix = |value: &dyn Fn(&MieEntry) -> f64| -> f64 {
-            nodes
-                .iter()
-                .map(|(entry, weight)| weight * value(entry))
-                .sum()
+            nodes.iter().map(|(entry, weight)| weight * value(entry)).sum()
         };
         let theta = self.theta();
         let mut phase: [Vec<f64>; 3] = Default::default();
         for (channel, phase) in phase.iter_mut().enumerate() {
-            let raw = (0..theta.len())
-                .map(|i| mix(&|entry| entry.phase[channel][i].to_f64().ln()).exp())
-                .collect();
+            let raw =
+                (0..theta.len()).map(|i| mix(&|entry| entry.phase[channel][i].to_f64().ln()).exp()).collect();
             *phase = Tabulated::new(theta.clone(), raw)?.values();
         }
         Ok(MieTable {
@@ -170,9 +166,7 @@ impl MieTables {
     /// polynomial in ln r_e through them.
     fn nodes(&self, effective_radius_um: f64) -> Vec<(&MieEntry, f64)> {
         let radius = |entry: &MieEntry| f64::from(entry.effective_radius_um);
-        let above = self
-            .entries
-            .partition_point(|entry| radius(entry) <= effective_radius_um);
+        let above = self.entries.partition_point(|entry| radius(entry) <= effective_radius_um);
         let count = self.entries.len().min(4);
         let first = above.saturating_sub(2).min(self.entries.len() - count);
         let nodes = &self.entries[first..first + count];
@@ -183,20 +177,13 @@ impl MieTables {
                 .map(|(_, other)| from(other, effective_radius_um) / from(other, radius(&nodes[i])))
                 .product()
         };
-        nodes
-            .iter()
-            .enumerate()
-            .map(|(i, entry)| (entry, weight(i)))
-            .collect()
+        nodes.iter().enumerate().map(|(i, entry)| (entry, weight(i))).collect()
     }
 }
 
 /// The error for a table that is not what it should be.
 fn damaged(problem: String) -> Error {
-    Error::Table {
-        name: NAME,
-        problem,
-    }
+    Error::Table { name: NAME, problem }
 }
 
 /// FNV-1a, 64 bit: Fowler, Noll and Vo, offset basis and prime as in RFC 9923.
@@ -212,15 +199,10 @@ fn read(bytes: &[u8]) -> std::result::Result<MieTables, String> {
     let mut reader = Reader(content);
     let sizes = reader.sizes().ok_or("is too short to tell its sizes")?;
     if content.len() as u64 != sizes.content_bytes() {
-        return Err(format!(
-            "is {} bytes long, which is not what {sizes:?} takes",
-            bytes.len()
-        ));
+        return Err(format!("is {} bytes long, which is not what {sizes:?} takes", bytes.len()));
     }
     if sizes.version != VERSION || sizes.channels as usize != CHANNELS {
-        return Err(format!(
-            "has {sizes:?}: this program reads version {VERSION}, 3 channels"
-        ));
+        return Err(format!("has {sizes:?}: this program reads version {VERSION}, 3 channels"));
     }
     if sizes.angles < 2 || sizes.radii < 1 {
         return Err(format!("has {sizes:?}: nothing to read"));
@@ -237,9 +219,7 @@ fn whole(bytes: &[u8]) -> std::result::Result<&[u8], String> {
     let (content, stored) = bytes.split_last_chunk().ok_or("has no checksum")?;
     let (stored, computed) = (u64::from_le_bytes(*stored), checksum(content));
     if stored != computed {
-        return Err(format!(
-            "is damaged: its checksum is {stored:016x}, not {computed:016x}"
-        ));
+        return Err(format!("is damaged: its checksum is {stored:016x}, not {computed:016x}"));
     }
     Ok(content)
 }
@@ -288,34 +268,18 @@ impl Reader<'_> {
 
     fn sizes(&mut self) -> Option<Sizes> {
         self.take::<{ MAGIC.len() }>()?;
-        Some(Sizes {
-            version: self.u32()?,
-            angles: self.u32()?,
-            radii: self.u32()?,
-            channels: self.u32()?,
-        })
+        Some(Sizes { version: self.u32()?, angles: self.u32()?, radii: self.u32()?, channels: self.u32()? })
     }
 
     fn tables(&mut self, sizes: Sizes) -> Option<MieTables> {
         let effective_variance = self.f32()?;
         let wavelengths_um = self.rgb()?;
-        let theta_deg = (0..sizes.angles)
-            .map(|_| self.f32())
-            .collect::<Option<_>>()?;
-        let mut entries = (0..sizes.radii)
-            .map(|_| self.entry())
-            .collect::<Option<Vec<MieEntry>>>()?;
+        let theta_deg = (0..sizes.angles).map(|_| self.f32()).collect::<Option<_>>()?;
+        let mut entries = (0..sizes.radii).map(|_| self.entry()).collect::<Option<Vec<MieEntry>>>()?;
         for phase in entries.iter_mut().flat_map(|entry| &mut entry.phase) {
-            *phase = (0..sizes.angles)
-                .map(|_| self.f16())
-                .collect::<Option<_>>()?;
+            *phase = (0..sizes.angles).map(|_| self.f16()).collect::<Option<_>>()?;
         }
-        Some(MieTables {
-            theta_deg,
-            effective_variance,
-            wavelengths_um,
-            entries,
-        })
+        Some(MieTables { theta_deg, effective_variance, wavelengths_um, entries })
     }
 
     /// An entry but for its phase functions, which come after all entries.

@@ -60,12 +60,7 @@ fn extinction_of_a_large_sphere_tends_to_twice_its_shadow() {
     for size in [300.0, 1000.0, 4000.0] {
         let sphere = Sphere::new(size, RefractiveIndex { n: 1.33, k: 0.05 });
         let expected = 2.0 + 1.992_386_1 * f64::powf(size, -2.0 / 3.0);
-        assert_close(
-            sphere.q_ext(),
-            expected,
-            3e-3,
-            &format!("Q_ext at x = {size}"),
-        );
+        assert_close(sphere.q_ext(), expected, 3e-3, &format!("Q_ext at x = {size}"));
     }
 }
 
@@ -73,12 +68,7 @@ fn extinction_of_a_large_sphere_tends_to_twice_its_shadow() {
 fn sphere_without_absorption_scatters_all_it_takes() {
     for size in [0.1, 1.0, 8.0, 50.0, 800.0, 2000.0] {
         let sphere = Sphere::new(size, RefractiveIndex { n: 1.33, k: 0.0 });
-        assert_close(
-            sphere.q_sca(),
-            sphere.q_ext(),
-            1e-10,
-            &format!("Q_sca at x = {size}"),
-        );
+        assert_close(sphere.q_sca(), sphere.q_ext(), 1e-10, &format!("Q_sca at x = {size}"));
     }
 }
 
@@ -90,11 +80,7 @@ fn forward_amplitude_gives_the_extinction() {
         let mut intensity = [0.0];
         sphere.intensity(&[1.0], &mut intensity);
         let least = (0.25 * size * size * sphere.q_ext()).powi(2);
-        assert!(
-            intensity[0] >= least,
-            "{} < {least} at x = {size}",
-            intensity[0]
-        );
+        assert!(intensity[0] >= least, "{} < {least} at x = {size}", intensity[0]);
         // What is beyond it is the imaginary part, which is small for large spheres.
         if size > 100.0 {
             assert_close(intensity[0], least, 0.05 * least, "intensity straight on");
@@ -119,22 +105,14 @@ fn phase_function_of_a_sphere_is_normalised_and_has_its_asymmetry() {
             mean_cosine += value * ring * cosines[i];
         }
         assert_close(total, 1.0, 1e-4, &format!("integral at x = {size}"));
-        assert_close(
-            mean_cosine,
-            sphere.asymmetry(),
-            1e-4,
-            &format!("g at x = {size}"),
-        );
+        assert_close(mean_cosine, sphere.asymmetry(), 1e-4, &format!("g at x = {size}"));
     }
 }
 
 #[test]
 fn spheres_of_the_literature_have_their_published_values() {
     // Bohren and Huffman (1983), appendix A.
-    let sphere = Sphere::new(
-        2.0 * PI * 0.525 / 0.6328,
-        RefractiveIndex { n: 1.55, k: 0.0 },
-    );
+    let sphere = Sphere::new(2.0 * PI * 0.525 / 0.6328, RefractiveIndex { n: 1.55, k: 0.0 });
     assert_close(sphere.q_ext(), 3.10543, 5e-6, "Q_ext");
     // Q_back = 4 |S(180)|^2 / x^2.
     let mut backwards = [0.0];
@@ -152,12 +130,7 @@ fn spheres_of_the_literature_have_their_published_values() {
     for (n, k, size, q_sca, asymmetry) in spheres {
         let sphere = Sphere::new(size, RefractiveIndex { n, k });
         assert_close(sphere.q_sca(), q_sca, 1e-6, &format!("Q_sca at x = {size}"));
-        assert_close(
-            sphere.asymmetry(),
-            asymmetry,
-            1e-6,
-            &format!("g at x = {size}"),
-        );
+        assert_close(sphere.asymmetry(), asymmetry, 1e-6, &format!("g at x = {size}"));
     }
 }
 
@@ -166,15 +139,9 @@ fn spheres_of_the_literature_have_their_published_values() {
 #[test]
 fn gamma_distribution_has_its_effective_radius_and_variance() {
     for effective_variance in [0.05, 0.10, 0.25] {
-        let distribution = GammaDistribution {
-            effective_radius_um: 6.0,
-            effective_variance,
-        };
+        let distribution = GammaDistribution { effective_radius_um: 6.0, effective_variance };
         let moment = |weight: &dyn Fn(f64) -> f64| -> f64 {
-            (1..40_000)
-                .map(|i| 2e-3 * f64::from(i))
-                .map(|r| distribution.density(r) * weight(r))
-                .sum()
+            (1..40_000).map(|i| 2e-3 * f64::from(i)).map(|r| distribution.density(r) * weight(r)).sum()
         };
         let area = moment(&|r| r * r);
         let radius = moment(&|r| r * r * r) / area;
@@ -198,22 +165,12 @@ fn water_has_the_refractive_index_of_the_reference() {
 #[test]
 fn progress_rises_to_the_end() {
     let highest = std::sync::Mutex::new(0.0_f64);
-    let distribution = GammaDistribution {
-        effective_radius_um: 1.0,
-        effective_variance: 0.1,
-    };
-    droplets::average(
-        &[distribution],
-        0.55,
-        refractive_index(1),
-        &[0.0],
-        2000,
-        |share| {
-            assert!((0.0..=1.0).contains(&share));
-            let mut highest = highest.lock().unwrap();
-            *highest = highest.max(share);
-        },
-    );
+    let distribution = GammaDistribution { effective_radius_um: 1.0, effective_variance: 0.1 };
+    droplets::average(&[distribution], 0.55, refractive_index(1), &[0.0], 2000, |share| {
+        assert!((0.0..=1.0).contains(&share));
+        let mut highest = highest.lock().unwrap();
+        *highest = highest.max(share);
+    });
     assert_close(*highest.lock().unwrap(), 1.0, 1e-3, "progress");
 }
 
@@ -230,10 +187,7 @@ fn table_matches_the_independent_solver_at_6_um() {
         assert_close(table.albedo[channel], row["ssa"], 3e-7, "albedo");
         let phase = tabulated(6.0, channel);
         assert_close(phase.asymmetry(), row["g"], 2e-4, "g of the interpolant");
-        for (file, csv, worst, rms) in [
-            ("phase", PHASE, 0.01, 2.5e-3),
-            ("forward", FORWARD, 0.005, 2e-3),
-        ] {
+        for (file, csv, worst, rms) in [("phase", PHASE, 0.01, 2.5e-3), ("forward", FORWARD, 0.005, 2e-3)] {
             let errors = errors(&phase, csv, channel);
             assert_small(&errors, worst, rms, &format!("{file} {name}"));
         }
@@ -252,27 +206,12 @@ fn table_matches_the_independent_solver_at_other_radii() {
             assert_close(table.asymmetry[channel], row["g"], 2e-4, &what("g"));
             // The half float is within 5e-4, the normalisation within 1e-3 of that.
             for (theta, value) in [(0.0, row["P0_per_sr"]), (8.0, row["P8deg_per_sr"])] {
-                assert_close(
-                    phase.value(f64::to_radians(theta)),
-                    value,
-                    3e-3 * value,
-                    &what("P"),
-                );
+                assert_close(phase.value(f64::to_radians(theta)), value, 3e-3 * value, &what("P"));
             }
             // The reference's own average over radii is converged to 1 % here.
-            assert_close(
-                phase.value(PI),
-                row["P180"],
-                1e-2 * row["P180"],
-                &what("P(180)"),
-            );
+            assert_close(phase.value(PI), row["P180"], 1e-2 * row["P180"], &what("P(180)"));
             for (theta, share) in [(5.0, "frac_within_5deg"), (8.0, "frac_within_8deg")] {
-                assert_close(
-                    phase.within(f64::to_radians(theta)),
-                    row[share],
-                    1e-3,
-                    &what(share),
-                );
+                assert_close(phase.within(f64::to_radians(theta)), row[share], 1e-3, &what(share));
             }
         }
     }
@@ -284,26 +223,11 @@ fn table_is_normalised_at_every_radius() {
         for channel in CHANNELS {
             let table = tables::mie(f64::from(radius)).unwrap();
             let phase = tabulated(f64::from(radius), channel);
-            assert_close(
-                fine_integral(|theta| phase.value(theta)),
-                1.0,
-                2e-6,
-                "integral",
-            );
+            assert_close(fine_integral(|theta| phase.value(theta)), 1.0, 2e-6, "integral");
             assert_close(phase.within(PI), 1.0, 1e-12, "closed form of the integral");
             let linear = linear_integral(&table.theta, &table.phase[channel]);
-            assert_close(
-                linear,
-                1.0,
-                1e-3,
-                &format!("integral of linear P at {radius} um"),
-            );
-            assert_close(
-                phase.asymmetry(),
-                table.asymmetry[channel],
-                2e-4,
-                "g of the interpolant",
-            );
+            assert_close(linear, 1.0, 1e-3, &format!("integral of linear P at {radius} um"));
+            assert_close(phase.asymmetry(), table.asymmetry[channel], 2e-4, "g of the interpolant");
         }
     }
 }
@@ -325,18 +249,10 @@ fn table_entry_recomputed_from_scratch_is_the_one_stored() {
     let channel = 0;
     let entry = &stored().entries[0];
     let picks: Vec<usize> = (0..stored().theta_deg.len()).step_by(60).collect();
-    let theta: Vec<f64> = picks
-        .iter()
-        .map(|&i| f64::from(stored().theta_deg[i]).to_radians())
-        .collect();
+    let theta: Vec<f64> = picks.iter().map(|&i| f64::from(stored().theta_deg[i]).to_radians()).collect();
     let bulk = computed(f64::from(entry.effective_radius_um), channel, &theta);
     assert_close(bulk.q_ext, f64::from(entry.q_ext[channel]), 2e-4, "Q_ext");
-    assert_close(
-        bulk.asymmetry,
-        f64::from(entry.asymmetry[channel]),
-        2e-4,
-        "g",
-    );
+    assert_close(bulk.asymmetry, f64::from(entry.asymmetry[channel]), 2e-4, "g");
     for ((&i, theta), value) in picks.iter().zip(&theta).zip(&bulk.phase) {
         let stored = entry.phase[channel][i].to_f64();
         // A sixteenth of the table's radii.
@@ -347,9 +263,7 @@ fn table_entry_recomputed_from_scratch_is_the_one_stored() {
 #[test]
 fn table_between_radii_is_close_to_a_computed_one() {
     // Where interpolation is worst; few radii at few angles, all of one side.
-    let theta_deg = [
-        0.0, 1.0, 3.0, 4.4, 6.0, 30.0, 90.0, 140.0, 150.0, 176.0, 178.0,
-    ];
+    let theta_deg = [0.0, 1.0, 3.0, 4.4, 6.0, 30.0, 90.0, 140.0, 150.0, 176.0, 178.0];
     let theta = theta_deg.map(f64::to_radians);
     let bulk = computed(4.5, 0, &theta);
     let phase = tabulated(4.5, 0);
@@ -379,10 +293,7 @@ fn table_survives_encoding() {
 fn any_corrupted_byte_is_an_error_that_names_the_table() {
     let every_header_byte = 0..64;
     let some_of_the_others = (64..FILE.len()).step_by(397);
-    for i in every_header_byte
-        .chain(some_of_the_others)
-        .chain([FILE.len() - 1])
-    {
+    for i in every_header_byte.chain(some_of_the_others).chain([FILE.len() - 1]) {
         let mut bytes = FILE.to_vec();
         bytes[i] ^= 1;
         assert_names_the_table(&bytes);
@@ -411,10 +322,7 @@ fn readme_lists_the_checksum_of_the_table() {
     let (content, stored) = FILE.split_last_chunk().unwrap();
     assert_eq!(fnv1a(content), u64::from_le_bytes(*stored));
     let checksum = format!("{:016x}", u64::from_le_bytes(*stored));
-    assert!(
-        readme.contains(&checksum),
-        "tables/README.md must list {checksum}"
-    );
+    assert!(readme.contains(&checksum), "tables/README.md must list {checksum}");
 }
 
 #[test]
@@ -422,16 +330,7 @@ fn table_that_cannot_be_written_is_an_error_before_it_is_computed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing").join("mie.bin");
     let error = table::write_mie_table(&path, |_| panic!("computed")).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            Error::File {
-                action: "write",
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, Error::File { action: "write", .. }), "{error}");
 }
 
 // Phase functions
@@ -459,15 +358,9 @@ fn phase_functions_have_their_asymmetry() {
 #[test]
 fn henyey_greenstein_takes_an_asymmetry_between_minus_one_and_one() {
     for g in [1.0, -1.0, 1.5, f64::NAN] {
-        assert!(
-            matches!(Phase::henyey_greenstein(g), Err(Error::Argument(_))),
-            "{g}"
-        );
+        assert!(matches!(Phase::henyey_greenstein(g), Err(Error::Argument(_))), "{g}");
     }
-    assert_eq!(
-        Phase::henyey_greenstein(0.0).unwrap().value(0, 1.0),
-        0.25 / PI
-    );
+    assert_eq!(Phase::henyey_greenstein(0.0).unwrap().value(0, 1.0), 0.25 / PI);
 }
 
 #[test]
@@ -482,10 +375,7 @@ fn tabulated_phase_function_of_a_bad_grid_is_an_error() {
     ];
     for (theta, values) in bad {
         let result = Tabulated::new(theta.to_vec(), values.to_vec());
-        assert!(
-            matches!(result, Err(Error::Argument(_))),
-            "{theta:?} {values:?}"
-        );
+        assert!(matches!(result, Err(Error::Argument(_))), "{theta:?} {values:?}");
     }
 }
 
@@ -495,12 +385,7 @@ fn tabulated_phase_function_goes_through_its_points_and_is_log_linear_between() 
     let values = table.values();
     assert_close(values[0] / values[1], 4.0, 1e-12, "ratio");
     assert_close(table.value(0.5), values[1], 1e-12, "at a point");
-    assert_close(
-        table.value(0.25),
-        (values[0] * values[1]).sqrt(),
-        1e-12,
-        "half way",
-    );
+    assert_close(table.value(0.25), (values[0] * values[1]).sqrt(), 1e-12, "half way");
     assert_close(table.value(4.0), values[2], 1e-12, "beyond the end");
     let part = fine_integral(|theta| if theta < 0.7 { table.value(theta) } else { 0.0 });
     assert_close(table.within(0.7), part, 1e-5, "share within 0.7 rad");
@@ -517,10 +402,7 @@ fn wide_part_and_peak_add_up_to_the_phase_function() {
                 let whole = chopped.phase().value(channel, theta);
                 let (wide, peak) = (chopped.wide(channel, theta), chopped.peak(channel, theta));
                 assert_close(wide + peak, whole, 1e-12 * whole, &name);
-                assert!(
-                    peak >= 0.0 && wide > 0.0,
-                    "{name} at {theta_deg} deg: {peak}, {wide}"
-                );
+                assert!(peak >= 0.0 && wide > 0.0, "{name} at {theta_deg} deg: {peak}, {wide}");
             }
         }
     }
@@ -535,12 +417,7 @@ fn peak_has_the_same_weight_in_all_channels_and_the_wide_part_the_rest() {
             assert_close(wide, 1.0 - chopped.f, 1e-5, &format!("wide part of {name}"));
             assert_close(peak, chopped.f, 1e-5, &format!("peak of {name}"));
             let mean = fine_integral(|theta| theta.cos() * chopped.wide(channel, theta));
-            assert_close(
-                mean / (1.0 - chopped.f),
-                chopped.asymmetry[channel],
-                1e-5,
-                &name,
-            );
+            assert_close(mean / (1.0 - chopped.f), chopped.asymmetry[channel], 1e-5, &name);
         }
     }
 }
@@ -551,14 +428,9 @@ fn phase_function_falls_up_to_where_the_cut_is_looked_for() {
         for channel in CHANNELS {
             let phase = tabulated(f64::from(radius), channel);
             for i in 0..1600 {
-                let [near, far] =
-                    [0, 1].map(|j| phase.value(f64::to_radians(0.01 * f64::from(i + j))));
+                let [near, far] = [0, 1].map(|j| phase.value(f64::to_radians(0.01 * f64::from(i + j))));
                 // Neighbours may be the same half float.
-                assert!(
-                    near >= far,
-                    "{radius} um, channel {channel}, {} deg",
-                    0.01 * f64::from(i)
-                );
+                assert!(near >= far, "{radius} um, channel {channel}, {} deg", 0.01 * f64::from(i));
             }
         }
     }
@@ -570,24 +442,14 @@ fn green_is_cut_as_the_reference_and_the_others_at_the_same_weight() {
         let chopped = Chopped::new(Phase::mie(radius.parse().unwrap()).unwrap());
         let row = summary(radius, "G");
         assert_close(chopped.f, row["f_chop_flat8"], 3e-4, "f");
-        assert_close(
-            chopped.asymmetry[1],
-            row["g_chopped"],
-            3e-4,
-            "g without the peak",
-        );
+        assert_close(chopped.asymmetry[1], row["g_chopped"], 3e-4, "g without the peak");
         let [red, green, blue] = chopped.cut_deg;
         assert_close(green, GREEN_CUT_DEG, 1e-12, "cut of green");
         assert!((8.0..9.5).contains(&red), "red is cut at {red}");
         assert!((6.5..8.0).contains(&blue), "blue is cut at {blue}");
         // The reference cuts them at 8 degrees, which moves g by up to 0.007.
         for channel in [0, 2] {
-            assert_close(
-                chopped.asymmetry[channel],
-                row["g_chopped"],
-                1e-2,
-                "g without the peak",
-            );
+            assert_close(chopped.asymmetry[channel], row["g_chopped"], 1e-2, "g without the peak");
         }
     }
 }
@@ -615,12 +477,7 @@ fn recovered_peak_of_a_thin_layer_is_its_single_scattering() {
     let (theta, tau) = (0.02, 1e-9);
     let single = chopped.peak(1, theta) * tau;
     // The next term is of relative order tau; digits would be lost from e^-a - e^-b.
-    assert_close(
-        chopped.recovered_peak(1, theta, tau),
-        single,
-        1e-8 * single,
-        "T_p",
-    );
+    assert_close(chopped.recovered_peak(1, theta, tau), single, 1e-8 * single, "T_p");
 }
 
 #[test]
@@ -639,16 +496,11 @@ fn phase_functions_without_a_table_have_no_peak() {
 
 fn assert_close(value: f64, expected: f64, tolerance: f64, what: &str) {
     let error = (value - expected).abs();
-    assert!(
-        error <= tolerance,
-        "{what}: {value}, expected {expected} within {tolerance}"
-    );
+    assert!(error <= tolerance, "{what}: {value}, expected {expected} within {tolerance}");
 }
 
 fn assert_small(errors: &[f64], worst: f64, rms: f64, what: &str) {
-    let largest = errors
-        .iter()
-        .fold(0.0_f64, |largest, error| largest.max(error.abs()));
+    let largest = errors.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
     let mean = errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64;
     println!("{what}: worst {largest:.5}, rms {:.5}", mean.sqrt());
     assert!(largest <= worst, "{what}: worst error {largest}");
@@ -657,16 +509,7 @@ fn assert_small(errors: &[f64], worst: f64, rms: f64, what: &str) {
 
 fn assert_names_the_table(bytes: &[u8]) {
     let error = MieTables::decode(bytes).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            Error::Table {
-                name: "mie.bin",
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, Error::Table { name: "mie.bin", .. }), "{error}");
     assert!(error.to_string().contains("mie.bin"), "{error}");
 }
 
@@ -685,10 +528,7 @@ fn tabulated(radius_um: f64, channel: usize) -> Tabulated {
 /// Droplets computed here and now, with few radii: within 0.5 %.
 fn computed(effective_radius_um: f64, channel: usize, theta: &[f64]) -> Bulk {
     let effective_variance = EFFECTIVE_VARIANCE;
-    let distribution = GammaDistribution {
-        effective_radius_um,
-        effective_variance,
-    };
+    let distribution = GammaDistribution { effective_radius_um, effective_variance };
     let (wavelength_um, index) = (WAVELENGTHS_UM[channel], refractive_index(channel));
     droplets::average(&[distribution], wavelength_um, index, theta, 20_000, |_| ()).remove(0)
 }
@@ -705,10 +545,7 @@ fn phases() -> Vec<(String, Phase)> {
 }
 
 fn chopped() -> Vec<(String, Chopped)> {
-    phases()
-        .into_iter()
-        .map(|(name, phase)| (name, Chopped::new(phase)))
-        .collect()
+    phases().into_iter().map(|(name, phase)| (name, Chopped::new(phase))).collect()
 }
 
 /// Integral over the sphere by the midpoint rule, independent of the closed
@@ -747,17 +584,11 @@ fn errors(phase: &Tabulated, csv: &str, channel: usize) -> Vec<f64> {
 /// The numbers of the reference's summary for gamma-distributed droplets of
 /// effective variance 0.10, by the name of their column.
 fn summary(radius_um: &str, channel: &str) -> HashMap<&'static str, f64> {
-    let mut lines = SUMMARY
-        .lines()
-        .map(|line| line.split(',').collect::<Vec<_>>());
+    let mut lines = SUMMARY.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let header = lines.next().unwrap();
-    let row = lines
-        .find(|row| row[..4] == ["gamma", radius_um, "0.1", channel])
-        .unwrap();
+    let row = lines.find(|row| row[..4] == ["gamma", radius_um, "0.1", channel]).unwrap();
     let numbers = header.into_iter().zip(row);
-    numbers
-        .filter_map(|(name, value)| Some((name, value.parse().ok()?)))
-        .collect()
+    numbers.filter_map(|(name, value)| Some((name, value.parse().ok()?))).collect()
 }
 
 /// FNV-1a, 64 bit, written apart from the one under test.

@@ -312,18 +312,6 @@ fn twins() -> Vec<Twin> {
             2e-3,
         ),
         twin(
-            "henyey_greenstein",
-            "phase",
-            "return vec4f(henyey_greenstein(x[0].x, x[0].y));",
-            grid(&[-0.9, 0.0, 0.5, 0.85, 0.99], &[-1.0, -0.5, 0.0, 0.7, 0.999, 1.0], &[0.0], &[0.0]),
-            |x| {
-                let [g, mu, ..] = x[0];
-                one((1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5)))
-            },
-            2e-2,
-            1e-6,
-        ), // g = 0.99 straight on: 1 + g^2 - 2g keeps two digits in single precision.
-        twin(
             "phase_coordinate",
             "phase",
             "let t = x[0].x; return vec4f(phase_coordinate(vec3f(0.0, 0.6, 0.8), cos(t) * vec3f(0.0, 0.6, 0.8) + sin(t) * vec3f(1.0, 0.0, 0.0)));",

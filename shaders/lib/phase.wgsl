@@ -1,12 +1,6 @@
-// Phase functions, 1/sr, of the cosine of the angle between the propagation before
-// and after scattering: +1 is straight on. They integrate to 1 over the sphere.
+// Phase functions come as tables over the angle between the propagation before and after
+// scattering; here is where in the table an angle is, and what the forward peak adds.
 // @use constants
-
-// Henyey and Greenstein 1941.
-fn henyey_greenstein(g: f32, mu: f32) -> f32 {
-    let base = 1.0 + g * g - 2.0 * g * mu;
-    return INV_4PI * (1.0 - g * g) / max(base * sqrt(base), 1e-9);
-}
 
 // Coordinate of a scattering angle in a phase table whose texels are even in
 // sqrt(theta / pi) up to the middle and mirrored beyond: dense at the forward peak

@@ -4,6 +4,7 @@ mod info;
 mod new;
 mod render;
 mod schema;
+mod tables;
 mod terminal;
 
 use std::process::ExitCode;
@@ -24,6 +25,7 @@ enum Command {
     New(new::New),
     Info(info::Info),
     Schema(schema::Schema),
+    Tables(tables::Tables),
 }
 
 /// Runs the program: 0 where all went well, 1 where it did not, 2 for words that it does
@@ -35,6 +37,7 @@ pub fn main() -> ExitCode {
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Schema(command) => command.run(),
+        Command::Tables(command) => command.run(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,10 +50,7 @@ impl GammaDistribution {
     /// even straight on, where the intensity grows as the fourth power of the radius.
     pub fn support_um(&self) -> [f64; 2] {
         let upper = 1.0 + 10.0 * self.effective_variance.sqrt();
-        [
-            0.02 * self.effective_radius_um,
-            upper * self.effective_radius_um,
-        ]
+        [0.02 * self.effective_radius_um, upper * self.effective_radius_um]
     }
 }
 
@@ -100,10 +97,7 @@ pub fn average(
         .collect();
     let mut totals = vec![Sums::new(theta.len()); distributions.len()];
     for part in &parts {
-        totals
-            .iter_mut()
-            .zip(part)
-            .for_each(|(total, sums)| total.add(sums));
+        totals.iter_mut().zip(part).for_each(|(total, sums)| total.add(sums));
     }
     totals.into_iter().map(Sums::into_bulk).collect()
 }
@@ -111,17 +105,12 @@ pub fn average(
 /// Radii in micrometres, evenly spaced in ln r, over the support of all distributions.
 fn radius_grid(distributions: &[GammaDistribution], radii: usize) -> Vec<f64> {
     let supports = || distributions.iter().map(GammaDistribution::support_um);
-    let lower = supports()
-        .map(|[lower, _]| lower)
-        .fold(f64::INFINITY, f64::min);
+    let lower = supports().map(|[lower, _]| lower).fold(f64::INFINITY, f64::min);
     let upper = supports().map(|[_, upper]| upper).fold(0.0, f64::max);
-    let step = supports()
-        .map(|[lower, upper]| (upper / lower).ln() / radii as f64)
-        .fold(f64::INFINITY, f64::min);
+    let step =
+        supports().map(|[lower, upper]| (upper / lower).ln() / radii as f64).fold(f64::INFINITY, f64::min);
     let count = ((upper / lower).ln() / step).ceil() as usize;
-    (0..=count)
-        .map(|i| lower * (i as f64 * step).exp())
-        .collect()
+    (0..=count).map(|i| lower * (i as f64 * step).exp()).collect()
 }
 
 /// Sums over spheres, weighted by their number: cross sections over pi and the
@@ -137,13 +126,7 @@ struct Sums {
 
 impl Sums {
     fn new(angles: usize) -> Self {
-        Self {
-            area: 0.0,
-            extinction: 0.0,
-            scattering: 0.0,
-            forward: 0.0,
-            intensity: vec![0.0; angles],
-        }
+        Self { area: 0.0, extinction: 0.0, scattering: 0.0, forward: 0.0, intensity: vec![0.0; angles] }
     }
 
     fn add_sphere(&mut self, weight: f64, size: f64, sphere: &Sphere, intensity: &[f64]) {
@@ -173,11 +156,7 @@ impl Sums {
             q_ext: self.extinction / self.area,
             absorption: 1.0 - self.scattering / self.extinction,
             asymmetry: self.forward / self.scattering,
-            phase: self
-                .intensity
-                .into_iter()
-                .map(|value| scale * value)
-                .collect(),
+            phase: self.intensity.into_iter().map(|value| scale * value).collect(),
         }
     }
 }

@@ -41,11 +41,7 @@ impl Sphere {
         let (q_ext, q_sca, g_q_sca) = efficiencies(size, &coefficients);
         Self {
             size,
-            terms: coefficients
-                .iter()
-                .zip(1..)
-                .map(|(&ab, n)| term(ab, n))
-                .collect(),
+            terms: coefficients.iter().zip(1..).map(|(&ab, n)| term(ab, n)).collect(),
             q_ext,
             q_sca,
             asymmetry: g_q_sca / q_sca,
@@ -127,10 +123,7 @@ impl Sphere {
 
 /// The scattering coefficients a_n, b_n of order n = 1, 2, ... \[BH 4.88\].
 fn coefficients(size: f64, index: RefractiveIndex) -> Vec<(Complex, Complex)> {
-    let index = Complex {
-        re: index.n,
-        im: index.k,
-    };
+    let index = Complex { re: index.n, im: index.k };
     let orders = stop_order(size);
     let derivatives = log_derivatives(index * size, orders);
     // Riccati-Bessel functions psi and chi of the orders n - 1 and n, from -1 and 0.
@@ -142,19 +135,13 @@ fn coefficients(size: f64, index: RefractiveIndex) -> Vec<(Complex, Complex)> {
         let factor = (2.0 * n - 1.0) / size;
         (psi_before, psi) = (psi, factor * psi - psi_before);
         (chi_before, chi) = (chi, factor * chi - chi_before);
-        let xi_before = Complex {
-            re: psi_before,
-            im: -chi_before,
-        };
+        let xi_before = Complex { re: psi_before, im: -chi_before };
         let xi = Complex { re: psi, im: -chi };
-        let coefficient = |impedance: Complex| {
-            (impedance * psi - Complex::real(psi_before)) / (impedance * xi - xi_before)
-        };
+        let coefficient =
+            |impedance: Complex| (impedance * psi - Complex::real(psi_before)) / (impedance * xi - xi_before);
         let curvature = Complex::real(n / size);
-        result.push((
-            coefficient(derivative / index + curvature),
-            coefficient(derivative * index + curvature),
-        ));
+        result
+            .push((coefficient(derivative / index + curvature), coefficient(derivative * index + curvature)));
     }
     result
 }
@@ -209,21 +196,14 @@ fn efficiencies(size: f64, coefficients: &[(Complex, Complex)]) -> (f64, f64, f6
         }
     }
     let scale = 2.0 / (size * size);
-    (
-        scale * extinction,
-        scale * scattering,
-        2.0 * scale * forward,
-    )
+    (scale * extinction, scale * scattering, 2.0 * scale * forward)
 }
 
 /// The sum and the difference of a_n and b_n with the weight of their order \[BH 4.74\].
 fn term((a, b): (Complex, Complex), n: u32) -> Term {
     let n = f64::from(n);
     let weight = (2.0 * n + 1.0) / (n * (n + 1.0));
-    Term {
-        sum: (a + b) * weight,
-        difference: (a - b) * weight,
-    }
+    Term { sum: (a + b) * weight, difference: (a - b) * weight }
 }
 
 /// As much complex arithmetic as the recurrences need.
@@ -251,40 +231,28 @@ impl Complex {
 impl Add for Complex {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            re: self.re + other.re,
-            im: self.im + other.im,
-        }
+        Self { re: self.re + other.re, im: self.im + other.im }
     }
 }
 
 impl Sub for Complex {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self {
-            re: self.re - other.re,
-            im: self.im - other.im,
-        }
+        Self { re: self.re - other.re, im: self.im - other.im }
     }
 }
 
 impl Mul for Complex {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        Self {
-            re: self.re * other.re - self.im * other.im,
-            im: self.re * other.im + self.im * other.re,
-        }
+        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
     }
 }
 
 impl Mul<f64> for Complex {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {
-        Self {
-            re: self.re * factor,
-            im: self.im * factor,
-        }
+        Self { re: self.re * factor, im: self.im * factor }
     }
 }
 
@@ -292,9 +260,6 @@ impl Div for Complex {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let scale = 1.0 / other.norm_squared();
-        Self {
-            re: self.dot(other),
-            im: self.im * other.re - self.re * other.im,
-        } * scale
+        Self { re: self.dot(other), im: self.im * other.re - self.re * other.im } * scale
     }
 }

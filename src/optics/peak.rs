@@ -50,11 +50,7 @@ impl Chopped {
         match &phase {
             Phase::Tabulated(channels) => {
                 let f = removed(&channels[1], GREEN_CUT_DEG.to_radians());
-                let cuts = [
-                    find_cut(&channels[0], f),
-                    GREEN_CUT_DEG.to_radians(),
-                    find_cut(&channels[2], f),
-                ];
+                let cuts = [find_cut(&channels[0], f), GREEN_CUT_DEG.to_radians(), find_cut(&channels[2], f)];
                 Self {
                     f,
                     cut_deg: cuts.map(f64::to_degrees),

@@ -37,11 +37,7 @@ impl Phase {
     pub fn mie(effective_radius_um: f64) -> Result<Self> {
         let table = crate::tables::mie(effective_radius_um)?;
         let channel = |i: usize| Tabulated::new(table.theta.clone(), table.phase[i].clone());
-        Ok(Self::Tabulated(Box::new([
-            channel(0)?,
-            channel(1)?,
-            channel(2)?,
-        ])))
+        Ok(Self::Tabulated(Box::new([channel(0)?, channel(1)?, channel(2)?])))
     }
 
     /// Value in 1/sr of a channel (0 red, 1 green, 2 blue) at scattering angle
@@ -118,13 +114,9 @@ impl Tabulated {
             self.cosine_within.push(cosine_within);
         }
         let ln_total = within.ln();
-        self.ln_value
-            .iter_mut()
-            .for_each(|ln_value| *ln_value -= ln_total);
+        self.ln_value.iter_mut().for_each(|ln_value| *ln_value -= ln_total);
         self.within.iter_mut().for_each(|share| *share /= within);
-        self.cosine_within
-            .iter_mut()
-            .for_each(|cosine| *cosine /= within);
+        self.cosine_within.iter_mut().for_each(|cosine| *cosine /= within);
     }
 
     /// Angles of the table in radians, from 0 to pi.
@@ -134,10 +126,7 @@ impl Tabulated {
 
     /// Normalised values in 1/sr at the angles of the table.
     pub fn values(&self) -> Vec<f64> {
-        self.ln_value
-            .iter()
-            .map(|ln_value| ln_value.exp())
-            .collect()
+        self.ln_value.iter().map(|ln_value| ln_value.exp()).collect()
     }
 
     /// Value in 1/sr at `theta` in radians; beyond 0 and pi, that at the end.
@@ -201,9 +190,7 @@ fn check_grid(theta: &[f64]) -> Result<()> {
     if rising && ends.is_some_and(|(&first, &last)| first == 0.0 && last == PI) {
         return Ok(());
     }
-    Err(Error::Argument(
-        "the angles of a phase function must rise from 0 to pi radians".to_owned(),
-    ))
+    Err(Error::Argument("the angles of a phase function must rise from 0 to pi radians".to_owned()))
 }
 
 /// The values must be as many as the angles, finite and positive.
@@ -214,10 +201,7 @@ fn check_values(value: &[f64], angles: usize) -> Result<()> {
             value.len()
         )));
     }
-    match value
-        .iter()
-        .find(|value| !(value.is_finite() && **value > 0.0))
-    {
+    match value.iter().find(|value| !(value.is_finite() && **value > 0.0)) {
         None => Ok(()),
         Some(value) => Err(Error::Argument(format!(
             "a phase function has the value {value}: all must be finite and above 0"

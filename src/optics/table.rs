@@ -1,13 +1,12 @@
 //! Makes `tables/mie.bin`, which [`crate::tables`] reads.
 
-use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::droplets::{self, Bulk, EFFECTIVE_VARIANCE, GammaDistribution, RADII};
 use super::{WAVELENGTHS_UM, water};
 use crate::tables::{MieEntry, MieTables};
-use crate::{Error, Result};
+use crate::{Result, files::write_whole};
 
 /// The angles of the table: the end of a stretch and the step to it, in degrees.
 ///
@@ -44,9 +43,7 @@ const ANGLES_DEG: [(f64, f64); 21] = [
 /// Takes some minutes on all cores. `progress` is called from any thread with
 /// the share done so far, 0 to 1.
 pub fn write_mie_table(path: &Path, progress: impl Fn(f64) + Sync) -> Result<()> {
-    write_whole(path, || {
-        mie_tables(&effective_radii_um(), RADII, progress).encode()
-    })
+    write_whole(path, |file| file.write_all(&mie_tables(&effective_radii_um(), RADII, progress).encode()))
 }
 
 /// Effective radii of the table in micrometres.
@@ -58,16 +55,9 @@ fn effective_radii_um() -> Vec<f64> {
 /// the file, each from at least `radii` sizes of sphere.
 ///
 /// `progress` is called from any thread with the share done so far, 0 to 1.
-pub fn mie_tables(
-    effective_radii_um: &[f64],
-    radii: usize,
-    progress: impl Fn(f64) + Sync,
-) -> MieTables {
+pub fn mie_tables(effective_radii_um: &[f64], radii: usize, progress: impl Fn(f64) + Sync) -> MieTables {
     let theta_deg = angles_deg();
-    let theta: Vec<f64> = theta_deg
-        .iter()
-        .map(|angle| f64::from(*angle).to_radians())
-        .collect();
+    let theta: Vec<f64> = theta_deg.iter().map(|angle| f64::from(*angle).to_radians()).collect();
     let distributions: Vec<GammaDistribution> = effective_radii_um
         .iter()
         .map(|&effective_radius_um| GammaDistribution {
@@ -77,16 +67,9 @@ pub fn mie_tables(
         .collect();
     let channel = |i: usize| {
         let index = water::refractive_index(i);
-        droplets::average(
-            &distributions,
-            WAVELENGTHS_UM[i],
-            index,
-            &theta,
-            radii,
-            |share| {
-                progress((i as f64 + share) / 3.0);
-            },
-        )
+        droplets::average(&distributions, WAVELENGTHS_UM[i], index, &theta, radii, |share| {
+            progress((i as f64 + share) / 3.0);
+        })
     };
     let [red, green, blue] = [channel(0), channel(1), channel(2)];
     let rows = red.into_iter().zip(green).zip(blue);
@@ -119,30 +102,8 @@ fn angles_deg() -> Vec<f32> {
     let mut start = 0.0;
     for (end, step) in ANGLES_DEG {
         let steps = f64::round((end - start) / step) as u32;
-        angles.extend(
-            (1..=steps).map(|i| (start + (end - start) * f64::from(i) / f64::from(steps)) as f32),
-        );
+        angles.extend((1..=steps).map(|i| (start + (end - start) * f64::from(i) / f64::from(steps)) as f32));
         start = end;
     }
     angles
-}
-
-/// Writes a file beside `path` and gives it that name once it is complete. The
-/// file is opened first: who may not write there need not wait for the content.
-fn write_whole(path: &Path, content: impl FnOnce() -> Vec<u8>) -> Result<()> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".part");
-    let part = PathBuf::from(name);
-    let written = File::create(&part)
-        .and_then(|mut file| file.write_all(&content()))
-        .and_then(|()| fs::rename(&part, path));
-    written.map_err(|source| {
-        // The part may not exist; the failure to report is the first one.
-        let _ = fs::remove_file(&part);
-        Error::File {
-            action: "write",
-            path: path.to_owned(),
-            source,
-        }
-    })
 }

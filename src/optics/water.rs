@@ -43,9 +43,7 @@ pub fn refractive_index(channel: usize) -> RefractiveIndex {
 /// um, by the dispersion formula of Daimon and Masumura (2007).
 fn real_part(wavelength_um: f64) -> f64 {
     let squared = wavelength_um * wavelength_um;
-    let sum: f64 = SELLMEIER
-        .iter()
-        .map(|(amplitude, resonance)| amplitude * squared / (squared - resonance))
-        .sum();
+    let sum: f64 =
+        SELLMEIER.iter().map(|(amplitude, resonance)| amplitude * squared / (squared - resonance)).sum();
     (1.0 + sum).sqrt()
 }

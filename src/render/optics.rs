@@ -3,42 +3,52 @@
 
 use half::f16;
 
-use crate::{Result, scene::Droplets};
+use crate::{
+    Result,
+    optics::{peak::Chopped, phase::Phase},
+    scene::{self, Droplets},
+};
 
 /// Texels of the phase table along the scattering angle; `phase_coordinate` of
 /// `shaders/lib/phase.wgsl` tells which angle each one holds.
 const ANGLES: usize = 1024;
 
-/// Optics of a cloud.
+/// Optics of a cloud. Absorption and the forward peak are taken out of the medium
+/// together: of the extinction k, the peak takes albedo * f * k, and what is left scatters
+/// less than it removes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CloudOptics {
     /// Share of extinction in the forward peak that transport leaves out.
     pub chop: f32,
-    /// Asymmetry of the phase function without its peak.
+    /// Asymmetry of the phase function without its peak, green.
     pub asymmetry: f32,
     /// Single-scattering albedo of the medium without the peak.
     pub albedo: f32,
-    /// Two rows of RGB and one unused: the phase function without its peak (it integrates
-    /// to 1 - f), and the peak divided by f (it integrates to 1), per steradian.
+    /// Two rows of RGB and one unused, per steradian: albedo times phase function of the
+    /// medium without peak, and the peak itself, normalised.
     pub table: Vec<[f16; 4]>,
 }
 
 impl CloudOptics {
     pub fn new(droplets: &Droplets) -> Result<Self> {
-        let g = match droplets.phase {
-            crate::scene::Phase::HenyeyGreenstein { g } => g,
-            crate::scene::Phase::Isotropic => 0.0,
-            _ => 0.75,
+        let chopped = Chopped::new(match droplets.phase {
+            scene::Phase::Mie => Phase::mie(droplets.effective_radius_um)?,
+            scene::Phase::HenyeyGreenstein { g } => Phase::henyey_greenstein(g)?,
+            scene::Phase::Isotropic => Phase::Isotropic,
+        });
+        let chop = droplets.albedo * chopped.f;
+        let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - chop);
+        let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
+        let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
+            let texel = |i| [0, 1, 2, 1].map(|channel| f16::from_f64(value(channel, angle(i))));
+            (0..ANGLES).map(texel).collect()
         };
-        let hg = |t: f64| {
-            let b: f64 = 1.0 + g * g - 2.0 * g * t.cos();
-            (1.0 - g * g) / (4.0 * std::f64::consts::PI * b.powf(1.5))
-        };
-        let mut table = vec![[f16::ZERO; 4]; 2 * ANGLES];
-        for i in 0..ANGLES {
-            table[i] = [f16::from_f64(hg(angle(i))); 4];
-        }
-        Ok(Self { chop: 0.0, asymmetry: g as f32, albedo: droplets.albedo as f32, table })
+        Ok(Self {
+            chop: chop as f32,
+            asymmetry: chopped.asymmetry[1] as f32,
+            albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - chop)) as f32,
+            table: [row(&wide), row(&peak)].concat(),
+        })
     }
 
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
