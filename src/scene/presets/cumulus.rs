@@ -51,7 +51,7 @@ pub(super) const MEDIOCRIS: Recipe = Recipe {
     trunk: &[(240.0, 220.0), (420.0, 190.0), (560.0, 140.0)],
     generations: &[
         Growth { children: (3, 4), up: 0.4, out: 0.2 },
-        Growth { children: (1, 1), up: 0.6, out: 0.3 },
+        Growth { children: (0, 1), up: 0.6, out: 0.3 },
     ],
     edges: Edges { boundary: 105.0, base: 0.35, top: 0.05 },
 };

@@ -12,13 +12,13 @@ use super::dice::Dice;
 use crate::scene::{Cloud, Edge, Ellipsoid};
 
 /// Size of a child against its parent.
-const RATIO: RangeInclusive<f64> = 0.5..=0.65;
+const RATIO: RangeInclusive<f64> = 0.52..=0.7;
 
 /// Places tried for a child, of which it takes the freest.
 const TRIES: usize = 8;
 
 /// How deep a child sits in its parent: 1 is with its centre on the surface.
-const SEAT: RangeInclusive<f64> = 0.75..=0.95;
+const SEAT: RangeInclusive<f64> = 0.62..=0.85;
 
 /// A cloud that grows.
 pub(super) struct Heap {

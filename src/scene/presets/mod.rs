@@ -201,6 +201,11 @@ fn aim_at_glory(scene: &mut Scene) {
     let to_sun = DVec3::new(0.0, 0.8, 0.6);
     let eye = DVec3::new(0.0, 1500.0, 0.0);
     scene.sun = Sun { position: SunPosition::Direction(to_sun), ..Sun::default() };
+    // Thin and of large droplets: little light scattered more often hides the rings.
+    for sheet in &mut scene.clouds {
+        sheet.droplets.concentration_per_cm3 = 100.0;
+        sheet.droplets.effective_radius_um = 8.0;
+    }
     scene.camera = Some(Camera {
         projection: Projection::Perspective { vertical_fov_deg: 90.0 },
         ..camera(eye, eye - 1000.0 * to_sun)
