@@ -210,15 +210,29 @@ fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> f32 {
     return (1.0 - cloud.chop) * near + textureSampleLevel(sun_volume, clamped, beyond, 0.0).r;
 }
 
+// Which way the cloud faces at a point, noise left out: away from where its ellipsoids
+// gather. Each weighs by how deep the point is in it, so that there is no seam where one
+// ends; unit length, or zero where nothing is.
+fn facing_at(v: Varyings, p: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < v.count; i++) {
+        let e = ellipsoids[candidates[v.first + i]];
+        let u = ellipsoid_unit(e, p, 1.0);
+        sum += max(1.0 - dot(u, u), 0.0) * ellipsoid_normal(e, u);
+    }
+    return sum * inverseSqrt(max(dot(sum, sum), 1e-12));
+}
+
 // Source of sunlight scattered more than once, per unit of irradiance: delta-Eddington in
 // the slab that fits the cloud here.
-fn multiple_source(p: vec3f, direction: vec3f, depth_to_sun: f32) -> f32 {
+fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth_to_sun: f32) -> f32 {
     count(MAP_READS, 2u);
     let uv = light_box_coordinate(cloud.sun, p).xy;
     let level = log2(max(cloud.slab_length / cloud.sun.texel, 1.0));
     let map = textureSampleLevel(sun_depths, clamped, uv, level);
     let facing = textureSampleLevel(sun_normals, clamped, uv, level).xyz;
-    let normal = normalize(facing + 1e-4 * cloud.to_sun);
+    let lit = facing / max(map.w, 1e-3);
+    let normal = normalize(lit + facing_at(v, p) + 1e-3 * cloud.to_sun);
     let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
     let thickness = max(map.z / max(map.w, 1e-3), depth_to_sun);
     let source = eddington_beam(cloud.asymmetry, mu0, mu0 * depth_to_sun, mu0 * thickness, dot(direction, normal));
@@ -243,23 +257,6 @@ fn diffuse_weights(p: vec3f) -> vec3f {
     return weights;
 }
 
-// Outward normal of the ellipsoid in which a point lies deepest: which way the cloud
-// faces here, noise left out.
-fn normal_at(v: Varyings, p: vec3f) -> vec3f {
-    var deepest = -1e30;
-    var normal = cloud.to_sun;
-    for (var i = 0u; i < v.count; i++) {
-        let e = ellipsoids[candidates[v.first + i]];
-        let u = ellipsoid_unit(e, p, 1.0);
-        let depth = ellipsoid_depth(e, u);
-        if depth > deepest {
-            deepest = depth;
-            normal = ellipsoid_normal(e, u);
-        }
-    }
-    return normal;
-}
-
 // Light gathered along a ray, per unit of the lights outside.
 struct March {
     transmittance: f32,
@@ -280,13 +277,13 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
     let depth = sun_depth(v, p, blur);
     (*m).single += seen * exp(-depth);
     if MULTIPLE {
-        (*m).multiple += seen * multiple_source(p, ray.direction, depth);
+        (*m).multiple += seen * multiple_source(v, p, ray.direction, depth);
     }
     if SKY_LIGHT {
         (*m).diffuse += seen * diffuse_weights(p);
     }
     if NORMALS {
-        (*m).normal += seen * normal_at(v, p);
+        (*m).normal += seen * facing_at(v, p);
     }
     (*m).distance += seen * t;
     (*m).height += seen * p.y;

@@ -1,71 +1,53 @@
 // How well the light of sky, horizon and ground reaches each voxel of a cloud: optical
-// depth up, optical depth down, and mean conductance to the sides. One thread marches
-// one column, twice: the depth below a voxel is what remains of the column's total.
-// @use density noise light_box eddington
+// depth up, optical depth down, and mean conductance to the sides. The light is diffuse,
+// so the noise is left out. One thread a voxel.
+// @use density light_box eddington
 
 @group(0) @binding(0) var<uniform> box: LightBox;
 @group(0) @binding(1) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(0) @binding(2) var<uniform> noise_frame: NoiseFrame;
-@group(0) @binding(3) var noise_volume: texture_3d<f32>;
-@group(0) @binding(4) var repeat: sampler;
 @group(0) @binding(5) var volume: texture_storage_3d<rgba16float, write>;
 
 const SIDES: u32 = 6u;
-const SAMPLES_ASIDE: u32 = 4u;
+// Samples of each path, at distances that grow with their square.
+const SAMPLES: u32 = 4u;
 
-// Extinction at a point without the forward peak, given the noise there.
-fn extinction_with(p: vec3f, noise: vec2f, blur: f32) -> f32 {
+// Mean extinction at a point without the forward peak.
+fn extinction_at(p: vec3f, blur: f32) -> f32 {
     var matter = CLEAR;
     for (var i = 0u; i < box.own; i++) {
-        matter = matter_with(matter, ellipsoids[i], ellipsoid_unit(ellipsoids[i], p, 1.0), noise, blur);
+        matter = matter_with(matter, ellipsoids[i], ellipsoid_unit(ellipsoids[i], p, 1.0), vec2f(0.0), blur);
     }
     return (1.0 - box.chop) * matter.extinction;
 }
 
-fn extinction_at(p: vec3f, blur: f32) -> f32 {
-    return extinction_with(p, noise_at(noise_volume, repeat, noise_frame, p, 0.5 * box.texel), blur);
-}
-
-// Mean conductance of horizontal paths out of the cloud, noise left out: samples at
-// distances that grow with their square, to the edge of the box at most.
-fn side_conductance(p: vec3f, blur: f32) -> f32 {
-    let reach = 0.5 * max(length(box.edge_u), length(box.edge_v));
+// Optical depth from a point over `reach` metres.
+fn optical_depth_along(p: vec3f, direction: vec3f, reach: f32, blur: f32) -> f32 {
     var sum = 0.0;
-    for (var side = 0u; side < SIDES; side++) {
-        let angle = 6.2831853 * f32(side) / f32(SIDES);
-        let direction = vec3f(cos(angle), 0.0, sin(angle));
-        var optical_depth = 0.0;
-        for (var i = 0u; i < SAMPLES_ASIDE; i++) {
-            let near = f32(i) / f32(SAMPLES_ASIDE);
-            let far = f32(i + 1u) / f32(SAMPLES_ASIDE);
-            let length = reach * (far * far - near * near);
-            let middle = 0.5 * reach * (far * far + near * near);
-            optical_depth += length * extinction_with(p + middle * direction, vec2f(0.0), blur);
-        }
-        sum += diffuse_conductance(box.asymmetry, optical_depth);
+    for (var i = 0u; i < SAMPLES; i++) {
+        let near = f32(i * i) / f32(SAMPLES * SAMPLES);
+        let far = f32((i + 1u) * (i + 1u)) / f32(SAMPLES * SAMPLES);
+        sum += (far - near) * reach * extinction_at(p + 0.5 * (near + far) * reach * direction, blur);
     }
-    return sum / f32(SIDES);
+    return sum;
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(4, 4, 4)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(volume);
-    if any(id.xy >= size.xy) {
+    if any(id >= size) {
         return;
     }
-    let uv = (vec2f(id.xy) + 0.5) / vec2f(size.xy);
-    let step = box.length / f32(size.z);
-    let blur = step;
-    var total = 0.0;
-    for (var z = 0u; z < size.z; z++) {
-        total += step * extinction_at(light_box_point(box, vec3f(uv, (f32(z) + 0.5) / f32(size.z))), blur);
+    let uvw = (vec3f(id) + 0.5) / vec3f(size);
+    let p = light_box_point(box, uvw);
+    let blur = box.length / f32(size.z);
+    let above = optical_depth_along(p, -box.along, uvw.z * box.length, blur);
+    let below = optical_depth_along(p, box.along, (1.0 - uvw.z) * box.length, blur);
+    let aside = 0.5 * max(length(box.edge_u), length(box.edge_v));
+    var sides = 0.0;
+    for (var i = 0u; i < SIDES; i++) {
+        let angle = 6.2831853 * f32(i) / f32(SIDES);
+        let depth = optical_depth_along(p, vec3f(cos(angle), 0.0, sin(angle)), aside, blur);
+        sides += diffuse_conductance(box.asymmetry, depth) / f32(SIDES);
     }
-    var above = 0.0;
-    for (var z = 0u; z < size.z; z++) {
-        let p = light_box_point(box, vec3f(uv, (f32(z) + 0.5) / f32(size.z)));
-        let half = 0.5 * step * extinction_at(p, blur);
-        above += half;
-        textureStore(volume, vec3u(id.xy, z), vec4f(above, max(total - above, 0.0), side_conductance(p, blur), 0.0));
-        above += half;
-    }
+    textureStore(volume, id, vec4f(above, below, sides, 0.0));
 }

@@ -1,7 +1,8 @@
 // Sunlight through a cloud, in the cloud's own frame: a volume of optical depth from
 // the sun, and a map seen from the sun (depth of the lit surface, of the far one, total
-// optical depth, coverage). One thread marches one column along the light. The map is
-// multiplied by coverage, so that plain averages of it weight by coverage.
+// optical depth, coverage). One thread marches one column along the light, over the
+// ellipsoids that the column meets. The map is multiplied by coverage, so that plain
+// averages of it weight by coverage.
 // @use density noise light_box
 
 @group(0) @binding(0) var<uniform> box: LightBox;
@@ -16,27 +17,49 @@
 const SAMPLES: u32 = 4u;
 const SAMPLES_BEFORE: u32 = 48u;
 
-// Extinction at a point of the ellipsoids from `first` to `last`, without the forward
-// peak. Noise finer than a texel is left out; edges are no sharper than `blur`.
-fn extinction_at(p: vec3f, first: u32, last: u32, blur: f32) -> f32 {
+// The ellipsoids that this column meets. Where they are more than the list holds, it is
+// of no use and all ellipsoids are asked: slower, and right. (Software Vulkan ends a
+// shader's loops after 65535 rounds in all: the list keeps columns far below that.)
+const MOST_HITS: u32 = 64u;
+var<private> hits: array<u32, 64>;
+var<private> hit_count: u32;
+
+fn collect_hits(origin: vec3f) {
+    hit_count = 0u;
+    for (var i = 0u; i < box.all; i++) {
+        let chord = ellipsoid_chord(ellipsoids[i], origin, box.along, 1.0);
+        if chord.x < chord.y {
+            if hit_count < MOST_HITS {
+                hits[hit_count] = i;
+            }
+            hit_count += 1u;
+        }
+    }
+}
+
+// Extinction at a point of the column without the forward peak. Noise finer than a texel
+// is left out; edges are no sharper than `blur`.
+fn extinction_at(p: vec3f, blur: f32) -> f32 {
     let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.5 * box.texel);
+    let listed = hit_count <= MOST_HITS;
+    let asked = select(box.all, hit_count, listed);
     var matter = CLEAR;
-    for (var i = first; i < last; i++) {
-        matter = matter_with(matter, ellipsoids[i], ellipsoid_unit(ellipsoids[i], p, 1.0), noise, blur);
+    for (var i = 0u; i < asked; i++) {
+        let e = ellipsoids[select(i, hits[min(i, MOST_HITS - 1u)], listed)];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
     }
     return (1.0 - box.chop) * matter.extinction;
 }
 
-// Optical depth of other clouds between the sun and the top of a column.
+// Optical depth of other clouds between the sun and the top of the column.
 fn shadow_of_others(top: vec3f) -> f32 {
-    if box.before <= 0.0 || box.all == box.own {
+    if box.before <= 0.0 {
         return 0.0;
     }
     let step = box.before / f32(SAMPLES_BEFORE);
     var optical_depth = 0.0;
     for (var i = 0u; i < SAMPLES_BEFORE; i++) {
-        let p = top - (f32(i) + 0.5) * step * box.along;
-        optical_depth += step * extinction_at(p, box.own, box.all, 0.5 * step);
+        optical_depth += step * extinction_at(top - (f32(i) + 0.5) * step * box.along, 0.5 * step);
     }
     return optical_depth;
 }
@@ -48,25 +71,24 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let uv = (vec2f(id.xy) + 0.5) / vec2f(size.xy);
+    let top = light_box_point(box, vec3f(uv, 0.0));
+    collect_hits(top);
     let step = box.length / f32(size.z * SAMPLES);
     let blur = 2.0 * step;
-    let shadow = shadow_of_others(light_box_point(box, vec3f(uv, 0.0)));
+    let shadow = shadow_of_others(top);
     var optical_depth = shadow;
     var front = 0.0;
     var back = 0.0;
     for (var z = 0u; z < size.z; z++) {
         var middle = optical_depth;
-        for (var i = 0u; i < SAMPLES; i++) {
-            let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
-            let p = light_box_point(box, vec3f(uv, w));
-            let thickness = step * extinction_at(p, 0u, box.all, blur);
-            if thickness > 0.0 {
+        if hit_count > 0u {
+            for (var i = 0u; i < SAMPLES; i++) {
+                let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
+                let thickness = step * extinction_at(light_box_point(box, vec3f(uv, w)), blur);
                 front += exp(shadow - optical_depth) * (1.0 - exp(-thickness)) * w;
-                back = w;
-            }
-            optical_depth += thickness;
-            if i == SAMPLES / 2u - 1u {
-                middle = optical_depth;
+                back = select(back, w, thickness > 0.0);
+                optical_depth += thickness;
+                middle = select(middle, optical_depth, i == SAMPLES / 2u - 1u);
             }
         }
         textureStore(volume, vec3u(id.xy, z), vec4f(middle, 0.0, 0.0, 0.0));

@@ -6,6 +6,10 @@
 @group(0) @binding(1) var depths: texture_2d<f32>;
 @group(0) @binding(2) var normals: texture_storage_2d<rgba16float, write>;
 
+// Steeper slopes are cut: light that grazes a rough surface does not care for its every
+// bump, and each would draw a streak along the light.
+const STEEPEST: f32 = 1.5;
+
 struct Surface {
     depth: f32,
     coverage: f32,
@@ -23,7 +27,8 @@ fn slope(before: Surface, here: Surface, after: Surface, texel: f32) -> f32 {
     let backward = min(before.coverage, here.coverage) * (here.depth - before.depth);
     let forward = min(here.coverage, after.coverage) * (after.depth - here.depth);
     let weight = min(before.coverage, here.coverage) + min(here.coverage, after.coverage);
-    return (backward + forward) / (max(weight, 1e-4) * texel);
+    let rise = (backward + forward) / (max(weight, 1e-4) * texel);
+    return clamp(rise, -STEEPEST, STEEPEST);
 }
 
 @compute @workgroup_size(8, 8)

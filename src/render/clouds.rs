@@ -174,7 +174,7 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
 /// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
 const SUN_REACH: f32 = 2.5;
 /// Length over which a slab is fitted, in transport mean free paths.
-const SLAB_LENGTH: f32 = 0.7;
+const SLAB_LENGTH: f32 = 1.0;
 
 fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> CloudUniform {
     let frame = shared.frame;

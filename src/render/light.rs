@@ -174,7 +174,7 @@ impl LightPass {
         redone: &mut u32,
     ) -> CloudLight {
         let sun_key = key(inputs, cloud, -inputs.to_sun, inputs.resolution);
-        let sky_resolution = (inputs.resolution / 2).clamp(8, 48);
+        let sky_resolution = (inputs.resolution / 4).clamp(8, 32);
         let sky_key = inputs.sky_light.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
         let (mut sun, mut sky) = (None, None);
         if let Some(before) = before {
@@ -245,14 +245,16 @@ impl LightPass {
         key: &Key,
         resolution: u32,
     ) -> wgpu::TextureView {
-        let sky_volume = view(&volume(inputs.device, "sky volume", key.light_box.voxels(resolution)));
+        let voxels = key.light_box.voxels(resolution);
+        let sky_volume = view(&volume(inputs.device, "sky volume", voxels));
         let buffers = Buffers::new(inputs, key);
+        // The bindings of the sun maps, without those of the noise.
         let mut resources = buffers.bindings(inputs);
+        resources[2..].fill(None);
         resources.push(texture(&sky_volume));
         let group = self.sky_volume.bind(inputs.device, &resources);
-        let groups = resolution.div_ceil(8);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        self.sky_volume.dispatch(encoder, &group, [groups, groups, 1], stamps);
+        self.sky_volume.dispatch(encoder, &group, voxels.map(|n| n.div_ceil(4)), stamps);
         sky_volume
     }
 
