@@ -292,7 +292,21 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
 // Optical depth of the first step in a homogeneous core.
 const CORE_STEP: f32 = 0.15;
 
-fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32) -> March {
+// Ends a ray that is as good as opaque: nothing gets through, and the little light that
+// was not gathered is like what was.
+fn close(m: ptr<function, March>) {
+    let share = 1.0 / (1.0 - (*m).transmittance);
+    (*m).single *= share;
+    (*m).multiple *= share;
+    (*m).diffuse *= share;
+    (*m).distance *= share;
+    (*m).height *= share;
+    (*m).normal *= share;
+    (*m).transmittance = 0.0;
+    (*m).optical_depth = 1e4;
+}
+
+fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
     var m = March(1.0, 0.0, 0.0, 0.0, vec3f(0.0), 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
     var stretch = Stretch(0.0, false, 0.0, 0.0);
@@ -335,7 +349,8 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32) -> March {
         }
         m.transmittance *= through;
         m.optical_depth += optical_depth;
-        if m.transmittance < cloud.opaque {
+        if m.transmittance < opaque {
+            close(&m);
             break;
         }
         // In clear air step to where matter can begin at the soonest; inside, steps grow.
@@ -375,7 +390,12 @@ fn shade(v: Varyings) -> Shade {
     let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
     let ray = Ray(cloud.camera + seen_from_camera.origin, seen_from_camera.direction);
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05));
+    let u = phase_coordinate(-cloud.to_sun, -ray.direction);
+    let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
+    let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+    // Before the sun a little transmittance is much light: look deeper there.
+    let opaque = cloud.opaque / (1.0 + 10.0 * peak.g);
+    let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
     let alpha = 1.0 - m.transmittance;
     if alpha <= 0.0 {
         return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
@@ -384,11 +404,8 @@ fn shade(v: Varyings) -> Shade {
     let distance = m.distance / alpha;
     let height = saturate(0.5 + m.height / (alpha * max(cloud.top - cloud.base, 1.0)));
     let sun = mix(v.sun_base, v.sun_top, height);
-    let u = phase_coordinate(-cloud.to_sun, -ray.direction);
-    let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
     var single = wide * m.single;
     if PEAK {
-        let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
         single += peak * recovered_peak(m.optical_depth, cloud.chop);
     }
     single *= sun;

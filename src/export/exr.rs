@@ -41,8 +41,9 @@ pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers) -> Result<()> {
     write_channels(path, &sky, &list)
 }
 
+/// Distance in metres; a cloud that hides less than a thousandth is none.
 fn metres(pixel: &[f32; 4]) -> f32 {
-    if pixel[3] > 0.0 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
+    if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
 }
 
 fn beauty(sky: &Picture, light: &[&Picture; 3]) -> Picture {

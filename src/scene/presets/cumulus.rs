@@ -133,7 +133,7 @@ pub(super) fn cumulonimbus(dice: &mut Dice) -> Cloud {
 
 /// Thin wispy sheets of ice around the top of the tower, drawn out downwind (east).
 fn anvil(dice: &mut Dice) -> Cloud {
-    const SHEETS: usize = 24;
+    const SHEETS: usize = 18;
     let mut heap = Heap::on(6300.0);
     for i in 0..SHEETS {
         let along = i as f64 / (SHEETS - 1) as f64;
