@@ -31,9 +31,10 @@ struct Cloud {
     opaque: f32,
     // Length of the samples towards the sun, m.
     sun_reach: f32,
-    // Longest step, as a share of the boundary; three numbers for alignment.
+    // Longest step, as a share of the boundary.
     longest_step: f32,
-    padding_x: f32,
+    // Angular radius of the sun's disc, rad; 0 where the sky shows none.
+    sun_radius: f32,
     padding_y: f32,
     padding_z: f32,
     // Distance of what the caller drew = x / (y + z depth) along the view axis.
@@ -374,6 +375,12 @@ fn drawn_distance(pixel: vec2f, ray: Ray) -> f32 {
     return axial / max(dot(ray.direction, normalize(camera.forward)), 1e-6);
 }
 
+// Whether the pixel in direction `d` shows any of the sun's disc, which is drawn no
+// smaller than a pixel. Its edge must be as dark as the rest.
+fn sees_sun_disc(d: vec3f) -> bool {
+    return cloud.sun_radius > 0.0 && length(d - cloud.to_sun) < max(cloud.sun_radius, camera.pixel) + camera.pixel;
+}
+
 // A pixel's light, premultiplied by opacity.
 struct Shade {
     alpha: f32,
@@ -396,13 +403,16 @@ fn shade(v: Varyings) -> Shade {
     // Before the sun a little transmittance is much light: look deeper there.
     let opaque = cloud.opaque / (1.0 + 10.0 * peak.g);
     let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
-    let alpha = 1.0 - m.transmittance;
-    if alpha <= 0.0 {
+    // Light of the forward peak is not lost to a smooth background, but it is to the
+    // sun's disc: there, and only there, all that was scattered is gone.
+    let alpha = 1.0 - select(m.transmittance, exp(-m.optical_depth), PEAK && sees_sun_disc(ray.direction));
+    if m.transmittance >= 1.0 {
         return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
     }
     count(HITS, 1u);
-    let distance = m.distance / alpha;
-    let height = saturate(0.5 + m.height / (alpha * max(cloud.top - cloud.base, 1.0)));
+    let opacity = 1.0 - m.transmittance;
+    let distance = m.distance / opacity;
+    let height = saturate(0.5 + m.height / (opacity * max(cloud.top - cloud.base, 1.0)));
     let sun = mix(v.sun_base, v.sun_top, height);
     var single = wide * m.single;
     if PEAK {

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 
 use super::{
-    Quality, SceneDepth, Transport,
+    CameraUniform, Quality, SceneDepth, Transport,
     frame::{CloudFrame, Frame},
     light::{CloudLight, LightBox},
     stats::Counters,
@@ -33,7 +33,8 @@ pub struct CloudUniform {
     pub(super) opaque: f32,
     pub(super) sun_reach: f32,
     pub(super) longest_step: f32,
-    pub(super) padding: [f32; 3],
+    pub(super) sun_radius: f32,
+    pub(super) padding: [f32; 2],
     pub(super) scene_depth: [f32; 4],
     pub(super) sun: LightBox,
     pub(super) sky: LightBox,
@@ -198,7 +199,12 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         opaque: shared.quality.opaque,
         sun_reach: SUN_REACH * light.voxel,
         longest_step: shared.quality.longest_step,
-        padding: [0.0; 3],
+        sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
+            0.0
+        } else {
+            (0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32
+        },
+        padding: [0.0; 2],
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
         sun: light.sun_box,
         sky: light.sky_box,
