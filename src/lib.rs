@@ -1,4 +1,45 @@
 //! Clouds from ellipsoids, fractal noise and Mie scattering, on the GPU.
+//!
+//! An artist describes a [`scene::Scene`]: ellipsoids, droplets, sun, sky, camera, as a
+//! JSON file or in code. [`render::Frame`] is one moment of it as the GPU takes it, and
+//! [`render::Renderer`] draws frames into the caller's texture, respecting the caller's
+//! depth. [`export`] writes PNG and EXR.
+//!
+//! ```no_run
+//! use nephos::{gpu::Gpu, render::{Frame, Renderer, Target}, scene::Preset};
+//!
+//! # fn main() -> nephos::Result<()> {
+//! let gpu = pollster::block_on(Gpu::open(None))?;
+//! let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
+//! let frame = Frame::new(&Preset::Congestus.scene(7), [960, 540])?;
+//! let picture = renderer.picture("clouds", frame.size(), wgpu::TextureFormat::Rgba16Float);
+//! let view = picture.create_view(&Default::default());
+//! let mut encoder = gpu.device.create_command_encoder(&Default::default());
+//! renderer.render(&mut encoder, &frame, &Target { color: &view, depth: None, sky: true });
+//! gpu.queue.submit([encoder.finish()]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # The way of the data
+//!
+//! ```text
+//! Scene ──> Frame ──> sky tables ─────────┐   (when air, sun or camera changed)
+//!                 ──> noise volume ───────┤   (once a seed)
+//!                 ──> light in each cloud ┤   (when sun, shape or noise changed)
+//!                                         └─> sky ──> clouds ──> compose
+//! ```
+//!
+//! Each pass knows what it depends on and does nothing when that has not changed. Passes
+//! and their shaders have the same names: `src/render/NAME.rs`, `shaders/NAME.wgsl`; what
+//! shaders share is in `shaders/lib`, as pure functions.
+//!
+//! # Conventions
+//!
+//! Metres, Y up, right-handed, north is -Z. Directions point away from the shaded point
+//! (`to_sun`). Light is linear RGB in units of the sun's irradiance above the atmosphere,
+//! which is 1 unless a scene says otherwise: 128 000 lux make it photometric. Phase
+//! functions integrate to 1 over the sphere. Angles are radians inside, degrees in files.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -1,4 +1,5 @@
 //! The program as a user calls it: what it writes, what it refuses, what it says.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![cfg(feature = "cli")]
 
 use std::{fs, path::Path};
@@ -11,11 +12,10 @@ const SMALL: &str = r#"{"clouds":[{"ellipsoids":[{"center":[0,900,0],"radii":[12
 fn nephos(words: &[&str]) -> Command {
     let mut command = Command::cargo_bin("nephos").unwrap();
     command.args(words);
-    if let Ok(name) = std::env::var("NEPHOS_ADAPTER") {
-        if words[0] == "render" {
-            command.args(["--adapter", &name]);
-        }
-    }
+    match std::env::var("NEPHOS_ADAPTER") {
+        Ok(name) if words[0] == "render" => command.args(["--adapter", &name]),
+        _ => &mut command,
+    };
     command
 }
 

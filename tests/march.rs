@@ -1,4 +1,5 @@
 //! The march through clouds against closed forms.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![cfg(feature = "export")]
 
 mod common;

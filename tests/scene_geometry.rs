@@ -1,4 +1,5 @@
 //! Where things of a scene are and point: sun, camera, bounds.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use glam::{DMat3, DQuat, DVec3};
 use nephos::scene::{Camera, Cloud, Ellipsoid, Preset, Projection, Scene, Sun, SunPosition};

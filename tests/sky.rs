@@ -3,6 +3,7 @@
 //! read tables: `sun_irradiance_at`, `light_of_sky`, `aerial_perspective` directly;
 //! `multiple_light`, `ground_irradiance`, `air_source`, `air_light` and `sky_radiance`
 //! through the pictures that are made of nothing else.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
 #[path = "common/atmosphere.rs"]

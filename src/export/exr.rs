@@ -46,16 +46,17 @@ fn metres(pixel: &[f32; 4]) -> f32 {
     if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
 }
 
+/// The layers put together again, opaque.
 fn beauty(sky: &Picture, light: &[&Picture; 3]) -> Picture {
-    let mut sum = sky.clone();
-    for (i, pixel) in sum.pixels.iter_mut().enumerate() {
+    let pixel = |(i, behind): (usize, &[f32; 4])| {
         let through = 1.0 - light[0].pixels[i][3];
-        for channel in 0..3 {
-            pixel[channel] =
-                pixel[channel] * through + light.iter().map(|l| l.pixels[i][channel]).sum::<f32>();
+        let mut sum = behind.map(|c| c * through);
+        for layer in light {
+            sum.iter_mut().zip(layer.pixels[i]).for_each(|(sum, c)| *sum += c);
         }
-    }
-    sum
+        [sum[0], sum[1], sum[2], 1.0]
+    };
+    Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
 }
 
 fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {

@@ -148,7 +148,8 @@ impl Renderer {
         }
     }
 
-    /// Records the passes that draw `frame` into `target`.
+    /// Records the passes that draw `frame` into `target`. One frame a submission: the
+    /// uniforms of a second one would reach the first.
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
         let draws = self.begin(encoder, frame, target);
         for draw in &draws {
@@ -157,7 +158,19 @@ impl Renderer {
         self.end(encoder);
     }
 
-    /// Does the same in pieces, each submitted and finished by itself, so that slow
+    /// Records the sky alone, over all of `color`: for callers that draw geometry between
+    /// sky and clouds. Then give [`Renderer::render`] a target whose `sky` is false.
+    pub fn render_sky(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        color: &wgpu::TextureView,
+    ) {
+        self.prepare_sky(encoder, frame);
+        self.sky.draw(&self.device, encoder, color, self.format, self.timing.as_ref());
+    }
+
+    /// Does the same as [`Renderer::render`] in pieces, each submitted and finished by itself, so that slow
     /// adapters do not run into their driver's time limit; tells the share done.
     ///
     /// # Errors
@@ -293,6 +306,12 @@ impl Renderer {
         if self.counting {
             self.counters.clear(encoder);
         }
+        self.prepare_sky(encoder, frame);
+        self.prepare_noise(frame.scene.noise.seed);
+        self.prepare_lights(encoder, frame);
+    }
+
+    fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
         let settings = SkySettings::new(&frame.scene, frame.to_sun);
         let redone = self.sky.prepare(
             &self.device,
@@ -303,8 +322,6 @@ impl Renderer {
             self.timing.as_ref(),
         );
         self.redone += redone.count();
-        self.prepare_noise(frame.scene.noise.seed);
-        self.prepare_lights(encoder, frame);
     }
 
     fn prepare_noise(&mut self, seed: u32) {
