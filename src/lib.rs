@@ -49,6 +49,7 @@ pub mod export;
 mod files;
 pub mod gpu;
 pub mod optics;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod tables;

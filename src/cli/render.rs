@@ -10,8 +10,10 @@ use serde::Serialize;
 
 use super::terminal;
 use crate::{
-    Error, Result, export,
+    Error, Result,
+    export::{self, Picture},
     gpu::{self, Gpu, PassTime, Timing},
+    reference::PathTracer,
     render::{Counts, Frame, Quality, Renderer, Target, Transport},
     scene::Scene,
 };
@@ -36,6 +38,9 @@ pub struct Render {
     /// How light inside clouds is found.
     #[arg(long, value_enum, default_value_t = TransportName::DeltaEddington)]
     transport: TransportName,
+    /// Samples of each pixel, for `--transport path`; each carries one channel.
+    #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
+    spp: u32,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     layers: bool,
@@ -66,6 +71,8 @@ enum TransportName {
     Single,
     /// Also multiple scattering, in closed form.
     DeltaEddington,
+    /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
+    Path,
 }
 
 /// What `--json` tells.
@@ -89,6 +96,11 @@ impl Render {
     /// Where the scene, the arguments, the adapter or the file are not good.
     pub fn run(self) -> Result<()> {
         let format = Format::of(&self.output)?;
+        if self.layers && self.traces_paths() {
+            return Err(Error::Argument(
+                "--layers and --transport path don't go together: leave one out".to_owned(),
+            ));
+        }
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
@@ -116,7 +128,7 @@ impl Render {
         };
         renderer.transport = match self.transport {
             TransportName::Single => Transport::Single,
-            TransportName::DeltaEddington => Transport::DeltaEddington,
+            TransportName::DeltaEddington | TransportName::Path => Transport::DeltaEddington,
         };
         renderer.counting = self.stats;
         renderer.timing = self.stats.then(|| Timing::new(gpu));
@@ -153,8 +165,45 @@ impl Render {
             let layers = renderer.render_layers(gpu, frame, progress)?;
             return export::write_layers(&self.output, gpu, &layers);
         }
+        if self.traces_paths() {
+            let (picture, error) = self.traced(gpu, renderer, frame, progress)?;
+            return export::write_estimate(&self.output, &picture, &error);
+        }
         let linear = self.beauty(gpu, renderer, frame, progress)?;
-        export::write_beauty(&self.output, &export::Picture::read(gpu, &linear)?)
+        export::write_beauty(&self.output, &Picture::read(gpu, &linear)?)
+    }
+
+    fn traces_paths(&self) -> bool {
+        matches!(self.transport, TransportName::Path)
+    }
+
+    /// The path traced picture, over the sky unless transparent, and its standard error.
+    fn traced(
+        &self,
+        gpu: &Gpu,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<(Picture, Vec<[f32; 3]>)> {
+        let mut tracer = PathTracer::new(gpu, frame, 0)?;
+        // In rounds, so that there is progress to tell.
+        let rounds = self.spp.div_ceil(24).min(100);
+        for round in 1..=rounds {
+            let samples = (u64::from(self.spp) * u64::from(round)).div_ceil(u64::from(rounds)) as u32;
+            tracer.trace(samples, &mut |_| true)?;
+            progress(f64::from(round) / f64::from(rounds));
+        }
+        let estimate = tracer.estimate()?;
+        let [width, height] = frame.size().map(|n| n as usize);
+        let mut picture = Picture { width, height, pixels: estimate.mean };
+        if !self.transparent {
+            let sky = renderer.picture("sky", frame.size(), wgpu::TextureFormat::Rgba16Float);
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            renderer.render_sky(&mut encoder, frame, &sky.create_view(&Default::default()));
+            gpu.queue.submit([encoder.finish()]);
+            picture.put_over(&Picture::read(gpu, &sky)?);
+        }
+        Ok((picture, estimate.error))
     }
 
     fn beauty(
@@ -164,6 +213,9 @@ impl Render {
         frame: &Frame,
         progress: &mut dyn FnMut(f64),
     ) -> Result<wgpu::Texture> {
+        if self.traces_paths() {
+            return Ok(self.traced(gpu, renderer, frame, progress)?.0.upload(gpu));
+        }
         let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };

@@ -16,6 +16,18 @@ pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
     write_channels(path, picture, &channels("", picture))
 }
 
+/// Writes a path traced picture and the standard error of each of its channels.
+///
+/// # Errors
+/// [`crate::Error::File`] when the file can't be written.
+pub fn write_estimate(path: &Path, picture: &Picture, error: &[[f32; 3]]) -> Result<()> {
+    let mut list = channels("", picture);
+    for (i, name) in ["error.R", "error.G", "error.B"].into_iter().enumerate() {
+        list.push((name.to_owned(), error.iter().map(|error| error[i]).collect()));
+    }
+    write_channels(path, picture, &list)
+}
+
 /// Writes the beauty and the layers that it is the sum of:
 /// `beauty = sky * transmittance + single + multiple + air`, and `depth.Z`, the distance
 /// of the clouds in metres, 1e10 where there are none.

@@ -4,6 +4,6 @@ mod exr;
 mod picture;
 mod png;
 
-pub use exr::{write_beauty, write_layers};
+pub use exr::{write_beauty, write_estimate, write_layers};
 pub use picture::Picture;
 pub use png::write_png;

@@ -29,4 +29,34 @@ impl Picture {
         let pixels = halves.into_iter().map(|pixel| pixel.map(f16::to_f32)).collect();
         Ok(Self { width: texture.width() as usize, height: texture.height() as usize, pixels })
     }
+
+    /// Puts this picture, whose colours are multiplied by alpha, over another of its size.
+    pub fn put_over(&mut self, behind: &Self) {
+        for (pixel, behind) in self.pixels.iter_mut().zip(&behind.pixels) {
+            let through = 1.0 - pixel[3];
+            pixel.iter_mut().zip(behind).for_each(|(pixel, behind)| *pixel += through * behind);
+        }
+    }
+
+    /// An `Rgba16Float` texture with these pixels, to be composed.
+    pub fn upload(&self, gpu: &Gpu) -> wgpu::Texture {
+        let size = [self.width as u32, self.height as u32, 0];
+        let desc = gpu::TextureDesc {
+            label: "picture",
+            size,
+            mips: 1,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::empty(),
+        };
+        let texture = gpu::texture(&gpu.device, &desc);
+        let halves: Vec<[f16; 4]> =
+            self.pixels.iter().map(|pixel| pixel.map(|c| f16::from_f32(c.min(65504.0)))).collect();
+        gpu.queue.write_texture(
+            texture.as_image_copy(),
+            bytemuck::cast_slice(&halves),
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size[0]), rows_per_image: None },
+            texture.size(),
+        );
+        texture
+    }
 }

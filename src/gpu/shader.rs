@@ -13,13 +13,13 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "phase", "random", "tonemap",
+    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "path_random", "phase", "random", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
     "aerial", "clouds", "compose", "ground_light", "mips", "multiple_scattering", "sky", "sky_light", "sky_view",
-    "sky_volume", "sun_maps", "sun_normals", "transmittance",
+    "path", "sky_volume", "sun_maps", "sun_normals", "transmittance",
 );
 
 /// The whole source of an entry point, or of any text with `// @use` lines.

@@ -54,4 +54,18 @@ impl EllipsoidUniform {
             .sum::<f32>()
             .sqrt()
     }
+
+    /// Half the extents along the axes of the frame, m.
+    pub(crate) fn half(&self) -> Vec3 {
+        Vec3::new(self.support(Vec3::X), self.support(Vec3::Y), self.support(Vec3::Z))
+    }
+
+    /// Whether a ball may touch the ellipsoid: never wrongly no.
+    pub(crate) fn reaches(&self, center: Vec3, radius: f32) -> bool {
+        let q = center - self.center;
+        let rows = [self.row_x, self.row_y, self.row_z];
+        let unit = Vec3::from(rows.map(|row| row.truncate().dot(q)));
+        let steepest = rows.map(|row| row.w).into_iter().fold(0.0, f32::max);
+        q.abs().cmple(self.half() + radius).all() && unit.length() <= 1.0 + radius * steepest
+    }
 }

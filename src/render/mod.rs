@@ -19,7 +19,9 @@ mod stats;
 mod tiles;
 
 pub use camera::CameraUniform;
+pub(crate) use ellipsoids::EllipsoidUniform;
 pub use frame::Frame;
+pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub use quality::Quality;
 pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};

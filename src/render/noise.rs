@@ -139,7 +139,7 @@ fn normalised(values: Vec<f32>) -> Vec<f32> {
 }
 
 /// Uploads the baked noise with its mip chain, as half floats.
-pub(super) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, seed: u32) -> wgpu::Texture {
+pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, seed: u32) -> wgpu::Texture {
     let texture = gpu::texture(
         device,
         &gpu::TextureDesc {

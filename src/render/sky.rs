@@ -396,6 +396,11 @@ impl Sky {
         self.active().map_or(&self.no_air, |tables| &tables.aerial)
     }
 
+    /// What the camera sees of sky and ground. A white texel where there is no atmosphere.
+    pub fn sky_view(&self) -> &TextureView {
+        self.active().map_or(&self.white, |tables| &tables.sky_view)
+    }
+
     /// Bilinear, clamped to the edge: the sampler of all these tables.
     pub fn sampler(&self) -> &wgpu::Sampler {
         &self.sampler

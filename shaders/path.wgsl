@@ -1,0 +1,359 @@
+// Truth: unbiased light transport by Monte Carlo over the very density that the clouds
+// are drawn with. Null-collision (delta) tracking with a majorant for each cell of a
+// grid, next-event estimation to the sun's disc through ratio tracking, Mie scattering
+// sampled from its table, Russian roulette late. One thread a pixel; its path is kept
+// between dispatches, so that each does a bounded amount of work.
+// @use atmosphere camera density noise path_random
+
+struct Scene {
+    // Least corner of the grid relative to the scene's origin, m; the scene's origin is
+    // where ellipsoids and noise have theirs.
+    low: vec3f,
+    // Edge of a cell, m.
+    cell: f32,
+    size: vec3u,
+    // Samples that each pixel shall have.
+    samples: u32,
+    // The camera's position, m from the scene's origin.
+    camera: vec3f,
+    seed: u32,
+    to_sun: vec3f,
+    // Angular radius of the sun's disc, rad.
+    sun_radius: f32,
+    sun_irradiance: vec3f,
+    // Altitude of the scene's origin above the ground, m.
+    altitude: f32,
+}
+
+struct Cell {
+    first: u32,
+    count: u32,
+    // Largest extinction in the cell, 1/m.
+    majorant: f32,
+    padding: u32,
+}
+
+// A path under way. Each carries one channel.
+struct Path {
+    position: vec3f,
+    random: u32,
+    direction: vec3f,
+    mode: u32,
+    // Towards a point of the sun's disc.
+    to_light: vec3f,
+    // Phase function times irradiance, for when the sun is reached.
+    light: f32,
+    throughput: f32,
+    // Transmittance towards the sun so far.
+    shadow: f32,
+    // Light of this sample so far.
+    gathered: f32,
+    sample: u32,
+    collisions: u32,
+    medium: u32,
+    // Where the shadow ray began.
+    origin_x: f32,
+    origin_y: f32,
+    origin_z: f32,
+    padding_x: u32,
+    padding_y: u32,
+    padding_z: u32,
+}
+
+// Welford's running mean and sum of squared differences for each channel.
+struct Sum {
+    mean: vec3f,
+    alpha: f32,
+    squares: vec3f,
+    padding: f32,
+}
+
+const START: u32 = 0u;
+const TRACK: u32 = 1u;
+const SHADOW: u32 = 2u;
+const DONE: u32 = 3u;
+
+// Steps of one thread in one dispatch.
+override BUDGET: u32 = 1024u;
+override ATMOSPHERE: bool = true;
+// Collisions before Russian roulette, and the chance to survive each one after them.
+override ROULETTE_AFTER: u32 = 256u;
+override SURVIVAL: f32 = 0.95;
+
+@group(0) @binding(0) var<uniform> scene: Scene;
+@group(0) @binding(1) var<uniform> camera: Camera;
+@group(0) @binding(2) var<uniform> noise_frame: NoiseFrame;
+@group(0) @binding(3) var<uniform> sky: Sky;
+@group(0) @binding(4) var<storage, read> ellipsoids: array<Ellipsoid>;
+@group(0) @binding(5) var<storage, read> media: array<u32>;
+@group(0) @binding(6) var<storage, read> cells: array<Cell>;
+@group(0) @binding(7) var<storage, read> candidates: array<u32>;
+@group(0) @binding(8) var<storage, read> phase_tables: array<f32>;
+@group(0) @binding(9) var<storage, read_write> paths: array<Path>;
+@group(0) @binding(10) var<storage, read_write> sums: array<Sum>;
+@group(0) @binding(11) var<storage, read_write> unfinished: atomic<u32>;
+@group(0) @binding(12) var noise_volume: texture_3d<f32>;
+@group(0) @binding(13) var repeat: sampler;
+@group(0) @binding(14) var clamped: sampler;
+@group(0) @binding(15) var transmittance: texture_2d<f32>;
+@group(0) @binding(16) var sky_view: texture_2d<f32>;
+
+// The state of the path's random numbers while this thread works on it.
+var<private> random_state: u32;
+
+fn draw() -> f32 {
+    var state = random_state;
+    let x = uniform_random(&state);
+    random_state = state;
+    return x;
+}
+
+// One of three numbers.
+fn of_channel(v: vec3f, channel: u32) -> f32 {
+    return select(select(v.z, v.y, channel == 1u), v.x, channel == 0u);
+}
+
+// A medium in `phase_tables`: its albedo, then for each channel the phase function over
+// the coordinate of its angle, then the angle below which a share of light is scattered.
+const ANGLES: u32 = 4096u;
+const MEDIUM: u32 = 1u + 6u * ANGLES;
+
+fn table_at(base: u32, x: f32) -> f32 {
+    let place = clamp(x, 0.0, 1.0) * f32(ANGLES - 1u);
+    let i = min(u32(place), ANGLES - 2u);
+    return mix(phase_tables[base + i], phase_tables[base + i + 1u], place - f32(i));
+}
+
+// Phase function between two directions of propagation, 1/sr.
+fn phase(medium: u32, channel: u32, before: vec3f, after: vec3f) -> f32 {
+    let forward = 2.0 * asin(min(0.5 * length(after - before), 1.0));
+    let backward = 2.0 * asin(min(0.5 * length(after + before), 1.0));
+    let half = sqrt(0.5 * min(forward, backward) / PI);
+    return table_at(MEDIUM * medium + 1u + channel * ANGLES, select(1.0 - half, half, forward < backward));
+}
+
+// A direction after scattering.
+fn scattered(medium: u32, channel: u32, before: vec3f) -> vec3f {
+    let angle = table_at(MEDIUM * medium + 1u + (3u + channel) * ANGLES, draw());
+    return turned(before, angle, 6.2831853 * draw());
+}
+
+// `d` turned by an angle, in a direction about it that `azimuth` chooses.
+fn turned(d: vec3f, angle: f32, azimuth: f32) -> vec3f {
+    let helper = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(d.x) > 0.7);
+    let u = normalize(cross(d, helper));
+    let v = cross(d, u);
+    return normalize(cos(angle) * d + sin(angle) * (cos(azimuth) * u + sin(azimuth) * v));
+}
+
+// Extinction and medium at a point of a cell.
+struct Point {
+    extinction: f32,
+    medium: u32,
+}
+
+fn point_at(p: vec3f, cell: Cell) -> Point {
+    let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.0);
+    var point = Point(0.0, 0u);
+    for (var i = 0u; i < cell.count; i++) {
+        let index = candidates[cell.first + i];
+        let e = ellipsoids[index];
+        let here = matter_with(CLEAR, e, ellipsoid_unit(e, p, 1.0), noise, 0.0).extinction;
+        if here > point.extinction {
+            point = Point(here, media[index]);
+        }
+    }
+    return point;
+}
+
+// Distances at which a ray enters and leaves the grid; entry beyond exit where it misses.
+fn grid_span(origin: vec3f, direction: vec3f) -> vec2f {
+    let high = scene.low + scene.cell * vec3f(scene.size);
+    let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+    let a = (scene.low - origin) * inverse;
+    let b = (high - origin) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
+}
+
+// One step of tracking: to a tentative collision, or into the next cell.
+struct Step {
+    position: vec3f,
+    // Whether the grid was left.
+    outside: bool,
+    // Whether this is a tentative collision, and what is there.
+    tentative: bool,
+    point: Point,
+    majorant: f32,
+}
+
+fn track(position: vec3f, direction: vec3f) -> Step {
+    let place = (position - scene.low) / scene.cell;
+    let index = vec3i(floor(place));
+    if any(index < vec3i(0)) || any(index >= vec3i(scene.size)) {
+        return Step(position, true, false, Point(0.0, 0u), 0.0);
+    }
+    let c = vec3u(index);
+    let cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
+    // Distance to the cell's walls, and a little beyond so that the next cell is another.
+    let wall = (vec3f(index) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0)) - place) * scene.cell;
+    let ways = abs(wall / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12)));
+    let exit = min(ways.x, min(ways.y, ways.z)) + 1e-4 * scene.cell;
+    if cell.majorant <= 0.0 {
+        return Step(position + exit * direction, false, false, Point(0.0, 0u), 0.0);
+    }
+    let free = -log(1.0 - draw()) / cell.majorant;
+    if free >= exit {
+        return Step(position + exit * direction, false, false, Point(0.0, 0u), 0.0);
+    }
+    let p = position + free * direction;
+    return Step(p, false, true, point_at(p, cell), cell.majorant);
+}
+
+// Irradiance of the sun at a point, of one channel.
+fn sun_at(p: vec3f, channel: u32) -> f32 {
+    if !ATMOSPHERE {
+        return of_channel(scene.sun_irradiance, channel);
+    }
+    let air = sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
+    return of_channel(scene.sun_irradiance * air, channel);
+}
+
+// Light of sky and ground from a direction, of one channel.
+fn sky_from(direction: vec3f, channel: u32) -> f32 {
+    if !ATMOSPHERE {
+        return of_channel(sky.radiance, channel);
+    }
+    let a = sky.atmosphere;
+    let altitude = max(camera.altitude, 0.0);
+    let ground = direction.y < horizon_mu(a, altitude);
+    let sine = half_azimuth_sine(direction, scene.to_sun);
+    let uv = sky_view_uv(a, vec2f(textureDimensions(sky_view)), altitude, direction.y, sine, ground);
+    let light = textureSampleLevel(sky_view, clamped, uv, 0.0).rgb / TABLE_SCALE;
+    return of_channel(sky.irradiance * light, channel);
+}
+
+fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
+    random_state = hash_random(index, (*path).sample, scene.seed);
+    let offset = vec2f(draw(), draw());
+    let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
+    let origin = scene.camera + ray.origin;
+    let span = grid_span(origin, ray.direction);
+    (*path).direction = ray.direction;
+    (*path).position = origin + (span.x + 1e-4 * scene.cell) * ray.direction;
+    // A ray that misses the grid is outside at once.
+    if span.x >= span.y {
+        (*path).position = scene.low - vec3f(scene.cell);
+    }
+    (*path).throughput = 1.0;
+    (*path).gathered = 0.0;
+    (*path).collisions = 0u;
+    (*path).mode = TRACK;
+}
+
+fn finish(path: ptr<function, Path>, index: u32) {
+    let sample = (*path).sample;
+    let channel = sample % 3u;
+    let hit = select(0.0, 1.0, (*path).collisions > 0u);
+    var sum = sums[index];
+    let mine = vec3u(channel) == vec3u(0u, 1u, 2u);
+    let difference = select(vec3f(0.0), (*path).gathered - sum.mean, mine);
+    sum.mean += difference / f32(sample / 3u + 1u);
+    sum.squares += select(vec3f(0.0), difference * ((*path).gathered - sum.mean), mine);
+    sum.alpha += (hit - sum.alpha) / f32(sample + 1u);
+    sums[index] = sum;
+    (*path).sample = sample + 1u;
+    (*path).mode = select(START, DONE, sample + 1u >= scene.samples);
+}
+
+// A real collision: aim at the sun.
+fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
+    let channel = (*path).sample % 3u;
+    (*path).position = p;
+    (*path).origin_x = p.x;
+    (*path).origin_y = p.y;
+    (*path).origin_z = p.z;
+    (*path).medium = medium;
+    (*path).collisions += 1u;
+    (*path).throughput *= phase_tables[MEDIUM * medium];
+    let angle = scene.sun_radius * sqrt(draw());
+    (*path).to_light = turned(scene.to_sun, angle, 6.2831853 * draw());
+    (*path).light = phase(medium, channel, (*path).direction, (*path).to_light) * sun_at(p, channel);
+    (*path).shadow = 1.0;
+    (*path).mode = SHADOW;
+}
+
+// The sun was reached or is hidden: go on where the collision was.
+fn scatter(path: ptr<function, Path>, index: u32) {
+    let channel = (*path).sample % 3u;
+    (*path).position = vec3f((*path).origin_x, (*path).origin_y, (*path).origin_z);
+    (*path).direction = scattered((*path).medium, channel, (*path).direction);
+    (*path).mode = TRACK;
+    if (*path).collisions >= ROULETTE_AFTER {
+        if draw() >= SURVIVAL {
+            (*path).throughput = 0.0;
+        }
+        (*path).throughput /= SURVIVAL;
+    }
+    if (*path).throughput <= 0.0 {
+        finish(path, index);
+    }
+}
+
+fn advance(path: ptr<function, Path>, index: u32) {
+    let channel = (*path).sample % 3u;
+    let is_shadow = (*path).mode == SHADOW;
+    let direction = select((*path).direction, (*path).to_light, is_shadow);
+    let step = track((*path).position, direction);
+    (*path).position = step.position;
+    let share = select(0.0, step.point.extinction / max(step.majorant, 1e-20), step.tentative);
+    if is_shadow {
+        (*path).shadow *= 1.0 - share;
+        // Roulette on what hardly counts keeps its mean.
+        var hidden = (*path).shadow <= 0.0;
+        if (*path).shadow < 0.05 && step.tentative {
+            hidden = hidden || draw() < 0.5;
+            (*path).shadow *= 2.0;
+        }
+        if step.outside || hidden {
+            (*path).gathered += select((*path).throughput * (*path).light * (*path).shadow, 0.0, hidden);
+            scatter(path, index);
+        }
+    } else if step.outside {
+        if (*path).collisions > 0u {
+            (*path).gathered += (*path).throughput * sky_from((*path).direction, channel);
+        }
+        finish(path, index);
+    } else if step.tentative && draw() < share {
+        collide(path, step.position, step.point.medium);
+    }
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let width = u32(camera.size.x);
+    let index = id.x;
+    if index >= width * u32(camera.size.y) {
+        return;
+    }
+    var path = paths[index];
+    random_state = path.random;
+    if path.mode == DONE && path.sample < scene.samples {
+        path.mode = START;
+    }
+    for (var i = 0u; i < BUDGET; i++) {
+        if path.mode == START {
+            start(&path, vec2u(index % width, index / width), index);
+        } else if path.mode == DONE {
+            break;
+        } else {
+            advance(&path, index);
+        }
+    }
+    path.random = random_state;
+    paths[index] = path;
+    if path.mode != DONE {
+        atomicAdd(&unfinished, 1u);
+    }
+}

@@ -1,0 +1,110 @@
+//! A grid over a scene that tells, for each cell, which ellipsoids reach into it and the
+//! largest extinction there: empty air costs a step a cell, and a collision asks only the
+//! ellipsoids at hand.
+
+use glam::{UVec3, Vec3};
+
+use crate::render::EllipsoidUniform;
+
+/// `Cell` of `shaders/path.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Cell {
+    pub(super) first: u32,
+    pub(super) count: u32,
+    pub(super) majorant: f32,
+    pub(super) padding: u32,
+}
+
+/// The cells of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Least corner, m.
+    pub low: Vec3,
+    /// Edge of a cell, m.
+    pub cell: f32,
+    /// Cells along each axis.
+    pub size: UVec3,
+    /// Cells, x fastest.
+    pub cells: Vec<Cell>,
+    /// Lists of ellipsoids that the cells point into.
+    pub candidates: Vec<u32>,
+}
+
+impl Grid {
+    /// A grid of at most `resolution` cells along an axis around the ellipsoids; one
+    /// empty cell where there are none.
+    pub fn new(ellipsoids: &[EllipsoidUniform], resolution: u32) -> Self {
+        let (low, high) = ellipsoids
+            .iter()
+            .map(|e| (e.center - e.half(), e.center + e.half()))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or((Vec3::ZERO, Vec3::ONE));
+        let cell = ((high - low).max_element() / resolution as f32).max(1e-6);
+        let size = ((high - low) / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(resolution + 1));
+        let mut grid = Self { low, cell, size, cells: Vec::new(), candidates: Vec::new() };
+        for z in 0..size.z {
+            for y in 0..size.y {
+                for x in 0..size.x {
+                    grid.push(ellipsoids, UVec3::new(x, y, z));
+                }
+            }
+        }
+        grid
+    }
+
+    fn push(&mut self, ellipsoids: &[EllipsoidUniform], index: UVec3) {
+        let middle = self.low + (index.as_vec3() + 0.5) * self.cell;
+        // Half the diagonal, and the little that a step goes beyond its cell.
+        let radius = 0.8662 * self.cell;
+        let near = (0..ellipsoids.len() as u32).filter(|&i| ellipsoids[i as usize].reaches(middle, radius));
+        let first = self.candidates.len();
+        self.candidates.extend(near);
+        let list = &self.candidates[first..];
+        let majorant = list.iter().map(|&i| ellipsoids[i as usize].extinction).fold(0.0, f32::max);
+        self.cells.push(Cell { first: first as u32, count: list.len() as u32, majorant, padding: 0 });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Cloud, Ellipsoid};
+    use glam::{DQuat, DVec3};
+
+    #[test]
+    fn every_point_of_an_ellipsoid_is_in_a_cell_that_lists_it() {
+        let cloud = Cloud::default();
+        let turned = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.8);
+        let ellipsoids: Vec<_> = [[0.0, 0.0, 0.0], [150.0, 30.0, -40.0]]
+            .map(|center| {
+                let e = Ellipsoid {
+                    orientation: turned,
+                    ..Ellipsoid::new(center.into(), DVec3::new(90.0, 3.0, 40.0))
+                };
+                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
+            })
+            .to_vec();
+        let grid = Grid::new(&ellipsoids, 20);
+        for i in 0..2000u32 {
+            // A spiral through each ellipsoid's inside.
+            let t = (f64::from(i) + 0.5) / 2000.0;
+            let (z, a) = (1.0 - 2.0 * t, 2.399963 * f64::from(i));
+            let u = 0.999 * DVec3::new((1.0 - z * z).sqrt() * a.cos(), (1.0 - z * z).sqrt() * a.sin(), z);
+            for (which, e) in ellipsoids.iter().enumerate() {
+                let p = e.center + (turned * (u * DVec3::new(90.0, 3.0, 40.0))).as_vec3();
+                let index = ((p - grid.low) / grid.cell).floor().as_uvec3();
+                let cell = grid.cells[((index.z * grid.size.y + index.y) * grid.size.x + index.x) as usize];
+                let list = &grid.candidates[cell.first as usize..][..cell.count as usize];
+                assert!(list.contains(&(which as u32)), "{p} of {which}");
+                assert_eq!(cell.majorant, e.extinction);
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_without_ellipsoids_has_one_empty_cell() {
+        let grid = Grid::new(&[], 20);
+        assert!(grid.cells.iter().all(|cell| cell.count == 0 && cell.majorant == 0.0));
+    }
+}

@@ -1,0 +1,166 @@
+//! The path tracer against closed forms, published sphere integrals and an independent
+//! Monte Carlo on the CPU.
+#![cfg(feature = "export")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use common::{gpu, picture::scene};
+use glam::DVec3;
+use nephos::{
+    reference::{Estimate, PathTracer},
+    render::Frame,
+    scene::Scene,
+};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{RngCore, SeedableRng},
+};
+
+fn trace(scene: &Scene, size: [u32; 2], samples: u32) -> Estimate {
+    let frame = Frame::new(scene, size).unwrap();
+    let mut tracer = PathTracer::new(gpu(), &frame, 1).unwrap();
+    tracer.trace(samples, &mut |_| true).unwrap();
+    tracer.estimate().unwrap()
+}
+
+/// Mean over the picture of one channel, and its standard error.
+fn mean(estimate: &Estimate, channel: usize) -> (f64, f64) {
+    let n = estimate.mean.len() as f64;
+    let sum: f64 = estimate.mean.iter().map(|pixel| f64::from(pixel[channel])).sum();
+    let variance: f64 = estimate.error.iter().map(|error| f64::from(error[channel]).powi(2)).sum();
+    (sum / n, variance.sqrt() / n)
+}
+
+/// A homogeneous conservative sphere of radius 100 m that just fills a square picture.
+fn sphere(optical_radius: f64, phase: &str, sky: &str, sun: [f64; 3], irradiance: f64) -> Scene {
+    // 400 droplets of 6 um: 0.0904779 per metre [K 3.3].
+    let per_cm3 = 400.0 * optical_radius / 100.0 / 0.090_477_868_423_386_04;
+    scene(&format!(
+        r#"{{"clouds": [{{"edge": {{"boundary": 0}},
+            "droplets": {{"phase": {phase}, "concentration_per_cm3": {per_cm3}}},
+            "ellipsoids": [{{"center": [0, 1000, 0], "radii": [100, 100, 100]}}]}}],
+        "sky": {sky}, "sun": {{"position": {{"direction": {sun:?}}},
+            "irradiance": [{irradiance}, {irradiance}, {irradiance}]}},
+        "camera": {{"position": [0, 1000, 500], "target": [0, 1000, 0],
+            "projection": {{"orthographic": {{"height": 200}}}}}}}}"#
+    ))
+}
+
+const HG: &str = r#"{"henyey_greenstein": {"g": 0.85}}"#;
+const DISC: f64 = std::f64::consts::FRAC_PI_4;
+
+#[test]
+fn white_furnace_returns_the_light_it_gets() {
+    // A noisy conservative cloud of Mie droplets under a sky of radiance 1: every path that
+    // met a droplet comes out with 1.
+    let scene = scene(
+        r#"{"clouds": [{"ellipsoids": [
+            {"center": [0, 900, 0], "radii": [120, 70, 100]},
+            {"center": [90, 930, 30], "radii": [80, 60, 60], "edge": {"boundary": 40, "wispiness": 1}}]}],
+        "sky": {"uniform": {"radiance": [1, 1, 1]}}, "sun": {"irradiance": [0, 0, 0]}}"#,
+    );
+    let estimate = trace(&scene, [24, 14], 192);
+    let opacity =
+        estimate.mean.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / estimate.mean.len() as f64;
+    assert!(opacity > 0.1);
+    for channel in 0..3 {
+        let (light, error) = mean(&estimate, channel);
+        // Opacity has the error of all three channels together, at most that of one.
+        assert!((light - opacity).abs() < 4.0 * error, "{light} +- {error} for {opacity}");
+    }
+}
+
+#[test]
+fn unscattered_share_of_a_sphere_is_the_integral() {
+    // 1 - (1 - e^{-2t}(1 + 2t)) ... : [1 - (1 + 2t) e^{-2t}] / (2 t^2) for radius t.
+    for t in [0.5f64, 2.0] {
+        let estimate = trace(&sphere(t, HG, "\"none\"", [0.0, 1.0, 0.0], 1.0), [32, 32], 96);
+        let opacity = estimate.mean.iter().map(|p| f64::from(p[3])).sum::<f64>() / estimate.mean.len() as f64;
+        let exact = (1.0 - (1.0 + 2.0 * t) * (-2.0 * t).exp()) / (2.0 * t * t);
+        let error = (DISC * exact * (1.0 - exact) / (32.0 * 32.0 * 96.0)).sqrt();
+        let unscattered = 1.0 - opacity / DISC;
+        assert!((unscattered - exact).abs() < 4.0 * error / DISC, "{unscattered} for {exact}");
+    }
+}
+
+/// Disc mean of the radiance of a sphere by a Monte Carlo of its own, forwards in f64: light
+/// enters over the disc that faces the sun and is counted where it leaves towards the
+/// camera, through the phase function at each collision.
+fn sphere_on_the_cpu(t: f64, g: f64, to_sun: DVec3, photons: u32) -> (f64, f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut random = || (f64::from(rng.next_u32()) + 0.5) / 4_294_967_296.0;
+    let to_eye = DVec3::Z;
+    let hg = |mu: f64| (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * mu).powf(1.5));
+    let exit = |p: DVec3, d: DVec3| -p.dot(d) + (p.dot(d).powi(2) - p.length_squared() + 1.0).max(0.0).sqrt();
+    let (x, y) = to_sun.any_orthonormal_pair();
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..photons {
+        let (r, a) = (random().sqrt(), 2.0 * std::f64::consts::PI * random());
+        let mut p = r * (a.cos() * x + a.sin() * y) + (1.0 - r * r).sqrt() * to_sun;
+        let mut d = -to_sun;
+        let mut seen = 0.0;
+        loop {
+            p += d * (-random().ln() / t);
+            if p.length_squared() >= 1.0 {
+                break;
+            }
+            seen += hg(d.dot(to_eye)) * (-t * exit(p, to_eye)).exp();
+            let s = (1.0 - g * g) / (1.0 - g + 2.0 * g * random());
+            let mu = ((1.0 + g * g - s * s) / (2.0 * g)).clamp(-1.0, 1.0);
+            let (u, v) = d.any_orthonormal_pair();
+            let phi = 2.0 * std::f64::consts::PI * random();
+            d = (mu * d + (1.0 - mu * mu).sqrt() * (phi.cos() * u + phi.sin() * v)).normalize();
+        }
+        sum += seen;
+        squares += seen * seen;
+    }
+    let n = f64::from(photons);
+    // Flux 1 x disc spread over the disc that the camera sees: the disc mean itself.
+    (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt())
+}
+
+#[test]
+fn spheres_agree_with_an_independent_monte_carlo() {
+    // Three z-tests at once: with Sidak's correction 3.5 sigma is passed by chance once in 700.
+    for (t, sun) in [(1.0, [0.0, 0.0, 1.0]), (4.0, [0.6, 0.8, 0.0]), (4.0, [0.6, 0.0, -0.8])] {
+        let scene = sphere(t, HG, "\"none\"", sun, 1.0);
+        let mut narrow = scene.clone();
+        narrow.sun.angular_diameter_deg = 0.0;
+        let estimate = trace(&narrow, [24, 24], 1200);
+        let (exact, sigma) = sphere_on_the_cpu(t, 0.85, DVec3::from(sun).normalize(), 400_000);
+        // The three channels are three independent pictures of the same thing.
+        let channels = [0, 1, 2].map(|channel| mean(&estimate, channel));
+        let light = channels.iter().map(|c| c.0).sum::<f64>() / 3.0 / DISC;
+        let error = channels.iter().map(|c| c.1.powi(2)).sum::<f64>().sqrt() / 3.0 / DISC;
+        let z = (light - exact) / error.hypot(sigma);
+        assert!(z.abs() < 3.5, "radius {t}, sun {sun:?}: {light} +- {error} for {exact} +- {sigma}");
+        assert!(error.hypot(sigma) < 0.03 * light, "the test is sharp: {error} and {sigma} of {light}");
+    }
+}
+
+#[test]
+fn overlapping_ellipsoids_count_once() {
+    let one = sphere(2.0, "\"isotropic\"", "\"none\"", [0.0, 0.6, 0.8], 1.0);
+    let mut two = one.clone();
+    let again = two.clouds[0].ellipsoids[0].clone();
+    two.clouds[0].ellipsoids.push(again);
+    let (a, b) = (mean(&trace(&one, [16, 16], 192), 1), mean(&trace(&two, [16, 16], 192), 1));
+    assert!((a.0 - b.0).abs() < 4.0 * a.1.hypot(b.1), "{a:?} {b:?}");
+}
+
+#[test]
+fn more_samples_continue_the_same_picture() {
+    let scene = sphere(2.0, "\"mie\"", "\"none\"", [0.0, 0.6, 0.8], 1.0);
+    let frame = Frame::new(&scene, [8, 8]).unwrap();
+    let whole = trace(&scene, [8, 8], 60);
+    let mut tracer = PathTracer::new(gpu(), &frame, 1).unwrap();
+    for samples in [12, 33, 60] {
+        tracer.trace(samples, &mut |_| true).unwrap();
+    }
+    let pieces = tracer.estimate().unwrap();
+    assert_eq!(whole.samples, pieces.samples);
+    for (a, b) in whole.mean.iter().zip(&pieces.mean) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+}
