@@ -301,9 +301,11 @@ fn twins() -> Vec<Twin> {
                 if unit(x, xyz(x[4]), 1.0).length() >= 1.0 {
                     return [0.01, -3.0, f64::NAN, f64::NAN];
                 }
-                let d = displaced(x, [x[6][0], x[6][1]]);
+                // Half of what the edge is wider goes outwards.
+                let width = f64::max(x[3][1], x[6][2]);
+                let d = displaced(x, [x[6][0], x[6][1]]) + 0.5 * (width - x[3][1]);
                 [
-                    f64::max(0.01, x[2][3] * rise(d / f64::max(x[3][1], x[6][2]))),
+                    f64::max(0.01, x[2][3] * rise(d / width)),
                     d.max(-3.0),
                     f64::NAN,
                     f64::NAN,

@@ -25,13 +25,14 @@ struct Matter {
 
 const CLEAR: Matter = Matter(0.0, -1e30);
 
-// The union grown by one more ellipsoid; `blur` is the width of a pixel, which widens
-// edges that it could not show, m.
+// The union grown by one more ellipsoid; `blur` is the width of a pixel, m: edges that
+// it could not show are widened to it, about their middle, so that no matter is lost.
 fn matter_with(matter: Matter, e: Ellipsoid, u: vec3f, noise: vec2f, blur: f32) -> Matter {
     if dot(u, u) >= 1.0 {
         return matter;
     }
-    let depth = displaced_depth(e, ellipsoid_depth(e, u), noise);
-    let extinction = e.extinction * smooth_rise(depth / max(e.rise, blur));
+    let width = max(e.rise, blur);
+    let depth = displaced_depth(e, ellipsoid_depth(e, u), noise) + 0.5 * (width - e.rise);
+    let extinction = e.extinction * smooth_rise(depth / width);
     return Matter(max(matter.extinction, extinction), max(matter.depth, depth));
 }
