@@ -194,9 +194,9 @@ fn matter_at(v: Varyings, p: vec3f, blur: f32) -> Matter {
     return matter;
 }
 
-// Optical depth to the sun without the peak: a few samples close by, where shadows are
-// sharp, then the volume.
-fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> f32 {
+// Optical depth to the sun without the peak, and the part of it in the shadow of other
+// clouds: a few samples close by, where shadows are sharp, then the volume.
+fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> vec2f {
     var near = 0.0;
     for (var i = 0u; i < SUN_SAMPLES; i++) {
         let a = f32(i) / f32(SUN_SAMPLES);
@@ -208,7 +208,7 @@ fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> f32 {
     let reach = select(cloud.sun_reach, 0.0, SUN_SAMPLES == 0u);
     count(MAP_READS, 1u);
     let beyond = light_box_coordinate(cloud.sun, p + reach * cloud.to_sun);
-    return (1.0 - cloud.chop) * near + textureSampleLevel(sun_volume, clamped, beyond, 0.0).r;
+    return textureSampleLevel(sun_volume, clamped, beyond, 0.0).rg + vec2f((1.0 - cloud.chop) * near, 0.0);
 }
 
 // Which way the cloud faces at a point, noise left out: away from where its ellipsoids
@@ -225,35 +225,46 @@ fn facing_at(v: Varyings, p: vec3f) -> vec3f {
 }
 
 // Source of sunlight scattered more than once, per unit of irradiance: delta-Eddington in
-// the slab that fits the cloud here.
-fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth_to_sun: f32) -> f32 {
-    count(MAP_READS, 2u);
+// the slab that fits the cloud here, less what leaves by the sides that a slab has not.
+// `depth` is the cloud's own optical depth to the sun, `shadow` that of other clouds, which
+// dims the beam and lets through what it scatters straight on.
+fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: f32) -> f32 {
+    count(MAP_READS, 3u);
+    let g = cloud.asymmetry;
     let uv = light_box_coordinate(cloud.sun, p).xy;
     let level = log2(max(cloud.slab_length / cloud.sun.texel, 1.0));
     let map = textureSampleLevel(sun_depths, clamped, uv, level);
-    let facing = textureSampleLevel(sun_normals, clamped, uv, level).xyz;
-    let lit = facing / max(map.w, 1e-3);
+    let lit = textureSampleLevel(sun_normals, clamped, uv, level).xyz / max(map.w, 1e-3);
     let normal = normalize(lit + facing_at(v, p) + 1e-3 * cloud.to_sun);
     let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
-    let thickness = max(map.z / max(map.w, 1e-3), depth_to_sun);
-    let source = eddington_beam(cloud.asymmetry, mu0, mu0 * depth_to_sun, mu0 * thickness, dot(direction, normal));
+    let thickness = max(map.z / max(map.w, 1e-3), depth);
+    let source = exp(-(1.0 - g * g) * shadow)
+        * eddington_beam(g, mu0, mu0 * depth, mu0 * thickness, dot(direction, normal));
+    let open = openness_at(p);
+    let faces = diffuse_conductance(g, mu0 * depth) + diffuse_conductance(g, mu0 * (thickness - depth));
+    let lossy = source * side_loss(faces, open.x + open.y + open.z - faces);
     if ABSORBING {
-        return source * absorbed(cloud.albedo, cloud.asymmetry, depth_to_sun);
+        return lossy * absorbed(cloud.albedo, g, depth);
     }
-    return source;
+    return lossy;
+}
+
+// Conductances from a point up, to the four sides together, and down.
+fn openness_at(p: vec3f) -> vec3f {
+    let depths = textureSampleLevel(sky_volume, clamped, light_box_coordinate(cloud.sky, p), 0.0).rgb;
+    return vec3f(diffuse_conductance(cloud.asymmetry, depths.x), 4.0 * depths.z,
+        diffuse_conductance(cloud.asymmetry, depths.y));
 }
 
 // Weights of sky, horizon and ground in the source of their diffuse light; they sum to 1.
 fn diffuse_weights(p: vec3f) -> vec3f {
     count(MAP_READS, 1u);
-    let depths = textureSampleLevel(sky_volume, clamped, light_box_coordinate(cloud.sky, p), 0.0).rgb;
-    let up = diffuse_conductance(cloud.asymmetry, depths.x);
-    let down = diffuse_conductance(cloud.asymmetry, depths.y);
-    let side = 4.0 * depths.z;
-    let weights = vec3f(up, side, down) / (up + side + down);
+    let open = openness_at(p);
+    let weights = open / (open.x + open.y + open.z);
     if ABSORBING {
-        let nearest = min(depths.x, depths.y);
-        return weights * absorbed(cloud.albedo, cloud.asymmetry, nearest);
+        // Back from the largest conductance to the smallest optical depth.
+        let nearest = (1.0 / max(open.x, open.z) - 2.0 / 3.0) / max(1.0 - cloud.asymmetry, 1e-3);
+        return weights * absorbed(cloud.albedo, cloud.asymmetry, max(nearest, 0.0));
     }
     return weights;
 }
@@ -276,9 +287,9 @@ struct March {
 fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
     let p = ray.origin + t * ray.direction;
     let depth = sun_depth(v, p, blur);
-    (*m).single += seen * exp(-depth);
+    (*m).single += seen * exp(-depth.x);
     if MULTIPLE {
-        (*m).multiple += seen * multiple_source(v, p, ray.direction, depth);
+        (*m).multiple += seen * multiple_source(v, p, ray.direction, max(depth.x - depth.y, 0.0), depth.y);
     }
     if SKY_LIGHT {
         (*m).diffuse += seen * diffuse_weights(p);

@@ -1,6 +1,6 @@
 // The finished picture for a screen: exposure, film curve, sRGB. Transparent pixels come
 // out unassociated (colour not multiplied by alpha), as PNG wants them.
-// @use tonemap
+// @use tonemap random
 
 struct Compose {
     // Factor on scene light, from stops.
@@ -22,5 +22,7 @@ fn screen(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
 fn compose(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let light = textureLoad(picture, vec2u(position.xy), 0);
     let color = light.rgb / max(light.a, 1e-4);
-    return vec4f(srgb_encode(filmic(settings.exposure * color)), light.a);
+    // One step of an 8-bit channel, triangular, against bands in smooth skies.
+    let dither = interleaved_gradient(position.xy) + interleaved_gradient(position.yx + 47.0) - 1.0;
+    return vec4f(srgb_encode(filmic(settings.exposure * color)) + dither / 255.0, light.a);
 }

@@ -49,5 +49,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let depth = optical_depth_along(p, vec3f(cos(angle), 0.0, sin(angle)), aside, blur);
         sides += diffuse_conductance(box.asymmetry, depth) / f32(SIDES);
     }
-    textureStore(volume, id, vec4f(above, below, sides, 0.0));
+    textureStore(volume, id, vec4f(min(vec2f(above, below), vec2f(30000.0)), sides, 0.0));
 }

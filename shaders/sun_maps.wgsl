@@ -1,5 +1,5 @@
 // Sunlight through a cloud, in the cloud's own frame: a volume of optical depth from
-// the sun, and a map seen from the sun (depth of the lit surface, of the far one, total
+// the sun (red; green: the part of it that is other clouds' shadow), and a map seen from the sun (depth of the lit surface, of the far one, total
 // optical depth, coverage). One thread marches one column along the light, over the
 // ellipsoids that the column meets. The map is multiplied by coverage, so that plain
 // averages of it weight by coverage.
@@ -12,6 +12,9 @@
 @group(0) @binding(4) var repeat: sampler;
 @group(0) @binding(5) var volume: texture_storage_3d<rgba16float, write>;
 @group(0) @binding(6) var depths: texture_storage_2d<rgba16float, write>;
+
+// Largest optical depth worth telling: half floats hold it, no light survives it.
+const MOST: f32 = 30000.0;
 
 // Samples in each voxel of a column, and before the box where others cast shadows.
 const SAMPLES: u32 = 4u;
@@ -91,9 +94,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 middle = select(middle, optical_depth, i == SAMPLES / 2u - 1u);
             }
         }
-        textureStore(volume, vec3u(id.xy, z), vec4f(middle, 0.0, 0.0, 0.0));
+        textureStore(volume, vec3u(id.xy, z), vec4f(min(vec2f(middle, shadow), vec2f(MOST)), 0.0, 0.0));
     }
     let coverage = 1.0 - exp(shadow - optical_depth);
-    let total = coverage * (optical_depth - shadow);
+    let total = coverage * min(optical_depth - shadow, MOST);
     textureStore(depths, id.xy, vec4f(front, coverage * back, total, coverage));
 }

@@ -304,12 +304,7 @@ fn twins() -> Vec<Twin> {
                 // Half of what the edge is wider goes outwards.
                 let width = f64::max(x[3][1], x[6][2]);
                 let d = displaced(x, [x[6][0], x[6][1]]) + 0.5 * (width - x[3][1]);
-                [
-                    f64::max(0.01, x[2][3] * rise(d / width)),
-                    d.max(-3.0),
-                    f64::NAN,
-                    f64::NAN,
-                ]
+                [f64::max(0.01, x[2][3] * rise(d / width)), d.max(-3.0), f64::NAN, f64::NAN]
             },
             1e-3,
             2e-3,

@@ -27,6 +27,14 @@ fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
     return 1.0 / (2.0 / 3.0 + (1.0 - g) * optical_depth);
 }
 
+// What leaves a slab by its two faces, of all that leaves a cloud with six: the slab has
+// no sides, the cloud has. `faces` and `sides` are conductances from a point. That a third
+// of the sides counts is fitted to path traced cumulus (humilis, mediocris, congestus and
+// the homogeneous sphere, sun at 40 degrees), where it halves the error.
+fn side_loss(faces: f32, sides: f32) -> f32 {
+    return faces / (faces + 0.33 * max(sides, 0.0));
+}
+
 // What absorption leaves of multiply scattered light at an optical depth below the lit
 // surface: the decay of diffusion, with the medium's albedo and asymmetry. 1 where the
 // medium is conservative; near the surface it keeps too much.

@@ -41,6 +41,9 @@ pub struct Render {
     /// Samples of each pixel, for `--transport path`; each carries one channel.
     #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
     spp: u32,
+    /// Rays across each pixel, for smooth edges: 2 in final quality, else 1.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
+    supersample: Option<u32>,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     layers: bool,
@@ -105,7 +108,8 @@ impl Render {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
         let scene = Scene::load(&self.scene)?;
-        let frame = Frame::new(&scene, [self.width, self.height])?;
+        let n = self.rays_across();
+        let frame = Frame::new(&scene, [n * self.width, n * self.height])?;
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
         let started = Instant::now();
         let mut renderer = self.renderer(&gpu);
@@ -143,8 +147,8 @@ impl Render {
         scene: &Scene,
         progress: &mut dyn FnMut(f64),
     ) -> Result<()> {
-        let size = frame.size();
-        let linear = self.beauty(gpu, renderer, frame, progress)?;
+        let size = [self.width, self.height];
+        let linear = self.beauty(gpu, renderer, frame, progress)?.upload(gpu);
         let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
@@ -163,14 +167,30 @@ impl Render {
     ) -> Result<()> {
         if self.layers {
             let layers = renderer.render_layers(gpu, frame, progress)?;
-            return export::write_layers(&self.output, gpu, &layers);
+            return export::write_layers(
+                &self.output,
+                gpu,
+                &layers,
+                self.transparent,
+                self.rays_across() as usize,
+            );
         }
         if self.traces_paths() {
             let (picture, error) = self.traced(gpu, renderer, frame, progress)?;
             return export::write_estimate(&self.output, &picture, &error);
         }
-        let linear = self.beauty(gpu, renderer, frame, progress)?;
-        export::write_beauty(&self.output, &Picture::read(gpu, &linear)?)
+        export::write_beauty(&self.output, &self.beauty(gpu, renderer, frame, progress)?)
+    }
+
+    /// As asked for; by default what the quality wants and 8192 pixels allow.
+    fn rays_across(&self) -> u32 {
+        let most = (8192 / self.width.max(self.height)).max(1);
+        match (self.supersample, self.quality) {
+            _ if self.traces_paths() => 1,
+            (Some(n), _) => n.min(most),
+            (None, QualityName::Final) => most.min(2),
+            (None, _) => 1,
+        }
     }
 
     fn traces_paths(&self) -> bool {
@@ -212,15 +232,15 @@ impl Render {
         renderer: &mut Renderer,
         frame: &Frame,
         progress: &mut dyn FnMut(f64),
-    ) -> Result<wgpu::Texture> {
+    ) -> Result<Picture> {
         if self.traces_paths() {
-            return Ok(self.traced(gpu, renderer, frame, progress)?.0.upload(gpu));
+            return Ok(self.traced(gpu, renderer, frame, progress)?.0);
         }
         let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };
         renderer.render_in_pieces(gpu, frame, &target, progress)?;
-        Ok(linear)
+        Ok(Picture::read(gpu, &linear)?.reduced(self.rays_across() as usize))
     }
 
     fn tell(&self, gpu: &Gpu, renderer: &Renderer, seconds: f64) -> Result<()> {

@@ -30,17 +30,19 @@ pub fn write_estimate(path: &Path, picture: &Picture, error: &[[f32; 3]]) -> Res
 
 /// Writes the beauty and the layers that it is the sum of:
 /// `beauty = sky * transmittance + single + multiple + air`, and `depth.Z`, the distance
-/// of the clouds in metres, 1e10 where there are none.
+/// of the clouds in metres, 1e10 where there are none. A `transparent` beauty leaves the
+/// sky out and has the clouds' alpha. Squares of `reduce` pixels become one.
 ///
 /// # Errors
 /// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
 /// can't be written.
-pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers) -> Result<()> {
+pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers, transparent: bool, reduce: usize) -> Result<()> {
+    let read = |texture| Picture::read(gpu, texture).map(|picture| picture.reduced(reduce));
     let [sky, single, multiple, air, distance, normal] =
         [&layers.sky, &layers.single, &layers.multiple, &layers.air, &layers.distance, &layers.normal]
-            .map(|texture| Picture::read(gpu, texture));
+            .map(read);
     let (sky, single, multiple, air, distance, normal) = (sky?, single?, multiple?, air?, distance?, normal?);
-    let mut list = channels("", &beauty(&sky, &[&single, &multiple, &air]));
+    let mut list = channels("", &beauty(&sky, &[&single, &multiple, &air], transparent));
     for (name, layer) in [("sky", &sky), ("single", &single), ("multiple", &multiple), ("air", &air)] {
         list.extend(channels(name, layer).into_iter().filter(|(name, _)| !name.ends_with('A')));
     }
@@ -58,15 +60,15 @@ fn metres(pixel: &[f32; 4]) -> f32 {
     if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
 }
 
-/// The layers put together again, opaque.
-fn beauty(sky: &Picture, light: &[&Picture; 3]) -> Picture {
+/// The layers put together again: opaque over the sky, or the clouds alone.
+fn beauty(sky: &Picture, light: &[&Picture; 3], transparent: bool) -> Picture {
     let pixel = |(i, behind): (usize, &[f32; 4])| {
-        let through = 1.0 - light[0].pixels[i][3];
-        let mut sum = behind.map(|c| c * through);
+        let alpha = light[0].pixels[i][3];
+        let mut sum = behind.map(|c| if transparent { 0.0 } else { c * (1.0 - alpha) });
         for layer in light {
             sum.iter_mut().zip(layer.pixels[i]).for_each(|(sum, c)| *sum += c);
         }
-        [sum[0], sum[1], sum[2], 1.0]
+        [sum[0], sum[1], sum[2], if transparent { alpha } else { 1.0 }]
     };
     Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
 }

@@ -30,6 +30,22 @@ impl Picture {
         Ok(Self { width: texture.width() as usize, height: texture.height() as usize, pixels })
     }
 
+    /// The means of squares of `n` by `n` pixels.
+    pub fn reduced(&self, n: usize) -> Self {
+        let (width, height) = (self.width / n, self.height / n);
+        let mean = |i: usize| {
+            let (x, y) = (n * (i % width), n * (i / width));
+            let mut sum = [0.0; 4];
+            for row in y..y + n {
+                for pixel in &self.pixels[row * self.width + x..][..n] {
+                    sum.iter_mut().zip(pixel).for_each(|(sum, c)| *sum += c / (n * n) as f32);
+                }
+            }
+            sum
+        };
+        Self { width, height, pixels: (0..width * height).map(mean).collect() }
+    }
+
     /// Puts this picture, whose colours are multiplied by alpha, over another of its size.
     pub fn put_over(&mut self, behind: &Self) {
         for (pixel, behind) in self.pixels.iter_mut().zip(&behind.pixels) {

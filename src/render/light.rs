@@ -149,7 +149,8 @@ pub(super) struct Inputs<'a> {
     pub seed: u32,
     pub to_sun: DVec3,
     pub resolution: u32,
-    pub sky_light: bool,
+    /// Whether anything needs to know how open the cloud is.
+    pub openness: bool,
     pub timing: Option<&'a Timing>,
 }
 
@@ -175,7 +176,7 @@ impl LightPass {
     ) -> CloudLight {
         let sun_key = key(inputs, cloud, -inputs.to_sun, inputs.resolution);
         let sky_resolution = (inputs.resolution / 4).clamp(8, 32);
-        let sky_key = inputs.sky_light.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
+        let sky_key = inputs.openness.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
         let (mut sun, mut sky) = (None, None);
         if let Some(before) = before {
             if before.sun_key == sun_key {

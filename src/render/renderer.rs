@@ -343,7 +343,7 @@ impl Renderer {
                 seed: *seed,
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
-                sky_light: self.sky.lights(),
+                openness: self.sky.lights() || self.transport == Transport::DeltaEddington,
                 timing: self.timing.as_ref(),
             };
             let kept = before.next().flatten();
