@@ -1,7 +1,7 @@
 """Writes a nephos scene from plain Python, as a script in a 3-D package would.
 
     python3 make_scene.py cloud.json
-    nephos render cloud.json
+    nephos render cloud.json -o cloud.png
 
 Metres, y up, +x east, -z north. What is left out has a default; `nephos schema`
 prints every field with its unit and range.

@@ -152,7 +152,7 @@ struct Stretch {
 fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
     var entry = 1e30;
     var exit = 1e30;
-    var core_exit = 1e30;
+    var core_exit = 0.0;
     var core = 0.0;
     var densest = 0.0;
     var boundary = 1e30;
@@ -163,14 +163,16 @@ fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
             entry = min(entry, outer.x);
         } else if outer.y > t && outer.x <= t {
             exit = min(exit, outer.y);
-            boundary = min(boundary, e.displacement + e.rise);
             densest = max(densest, e.extinction);
             let inner = ellipsoid_chord(e, ray.origin, ray.direction, e.core);
-            if inner.x <= t && inner.y > t && e.extinction >= core {
-                core_exit = select(inner.y, max(core_exit, inner.y), e.extinction == core);
-                core = e.extinction;
-            } else if inner.x < inner.y && inner.x > t {
-                exit = min(exit, inner.x);
+            if inner.x <= t && inner.y > t {
+                exit = min(exit, inner.y);
+                core_exit = select(core_exit, max(inner.y, select(0.0, core_exit, e.extinction == core)), e.extinction >= core);
+                core = max(core, e.extinction);
+            } else {
+                // Only boundaries that the ray is in need short steps.
+                boundary = min(boundary, e.displacement + e.rise);
+                exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
             }
         }
     }
@@ -213,15 +215,18 @@ fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> vec2f {
 
 // Which way the cloud faces at a point, noise left out: away from where its ellipsoids
 // gather. Each weighs by how deep the point is in it, so that there is no seam where one
-// ends; unit length, or zero where nothing is.
+// ends. Unit length on the surface of a lump, and less inside, down to none in its middle.
 fn facing_at(v: Varyings, p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
+    var weights = 1e-6;
     for (var i = 0u; i < v.count; i++) {
         let e = ellipsoids[candidates[v.first + i]];
         let u = ellipsoid_unit(e, p, 1.0);
-        sum += max(1.0 - dot(u, u), 0.0) * ellipsoid_normal(e, u);
+        let weight = max(1.0 - dot(u, u), 0.0);
+        sum += weight * dot(u, u) * ellipsoid_normal(e, u);
+        weights += weight;
     }
-    return sum * inverseSqrt(max(dot(sum, sum), 1e-12));
+    return sum / weights;
 }
 
 // Source of sunlight scattered more than once, per unit of irradiance: delta-Eddington in
@@ -238,7 +243,7 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     let normal = normalize(lit + facing_at(v, p) + 1e-3 * cloud.to_sun);
     let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
     let thickness = max(map.z / max(map.w, 1e-3), depth);
-    let source = exp(-(1.0 - g * g) * shadow)
+    let source = exp(-(1.0 - max(g, 0.0) * g) * shadow)
         * eddington_beam(g, mu0, mu0 * depth, mu0 * thickness, dot(direction, normal));
     let open = openness_at(p);
     let faces = diffuse_conductance(g, mu0 * depth) + diffuse_conductance(g, mu0 * (thickness - depth));
@@ -276,6 +281,8 @@ struct March {
     optical_depth: f32,
     single: f32,
     multiple: f32,
+    // Sunlight that other clouds let through to what is seen.
+    sunlit: f32,
     // Sky, horizon, ground.
     diffuse: vec3f,
     // Distance and height, weighted by what is seen.
@@ -288,6 +295,7 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
     let p = ray.origin + t * ray.direction;
     let depth = sun_depth(v, p, blur);
     (*m).single += seen * exp(-depth.x);
+    (*m).sunlit += seen * exp(-depth.y);
     if MULTIPLE {
         (*m).multiple += seen * multiple_source(v, p, ray.direction, max(depth.x - depth.y, 0.0), depth.y);
     }
@@ -303,13 +311,18 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
 
 // Optical depth of the first step in a homogeneous core.
 const CORE_STEP: f32 = 0.15;
+// Steps kept for stretches to come when a ray has used up its own.
+const RESERVE: u32 = 8u;
+// Rounds for jumps and for the last stretches, beyond the steps that a ray should take.
+const SPARE_STEPS: u32 = 256u;
 
 // Ends a ray that is as good as opaque: nothing gets through, and the little light that
 // was not gathered is like what was.
-fn close(m: ptr<function, March>) {
-    let share = 1.0 / (1.0 - (*m).transmittance);
+fn close(m: ptr<function, March>, unlit: f32) {
+    let share = 1.0 / (1.0 - (*m).transmittance - unlit);
     (*m).single *= share;
     (*m).multiple *= share;
+    (*m).sunlit *= share;
     (*m).diffuse *= share;
     (*m).distance *= share;
     (*m).height *= share;
@@ -319,12 +332,14 @@ fn close(m: ptr<function, March>) {
 }
 
 fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
-    var m = March(1.0, 0.0, 0.0, 0.0, vec3f(0.0), 0.0, 0.0, vec3f(0.0));
+    var m = March(1.0, 0.0, 0.0, 0.0, 0.0, vec3f(0.0), 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
     var stretch = Stretch(0.0, false, 0.0, 0.0);
     var step = 0.0;
     var phase = offset;
-    for (var i = 0u; i < MAX_STEPS; i++) {
+    var unlit = 0.0;
+    var last = 0.0;
+    for (var i = 0u; i < MAX_STEPS + SPARE_STEPS; i++) {
         // Find the next stretch; jump over clear air.
         if t >= stretch.end {
             stretch = survey(v, ray, t);
@@ -343,7 +358,10 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         let smallest = max(cloud.first_step * stretch.boundary, blur);
         let longest = max(cloud.longest_step * stretch.boundary, blur);
         let homogeneous = stretch.core > 0.0;
-        let wanted = select(clamp(step, smallest, longest), max(step, CORE_STEP / stretch.core), homogeneous);
+        let spaced = select(clamp(step, smallest, longest), max(step, CORE_STEP / stretch.core), homogeneous);
+        // Where steps run short, what is left of the stretch shares those that are left.
+        let scarce = (min(stretch.end, farthest) - t) / f32(max(MAX_STEPS, i + RESERVE) - i);
+        let wanted = max(spaced, select(0.0, scarce, 2u * i > MAX_STEPS));
         let length = min(wanted * phase, min(stretch.end, farthest) - t);
         phase = 1.0;
         let middle = t + 0.5 * length;
@@ -356,13 +374,18 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         let optical_depth = matter.extinction * length;
         let through = exp(-(1.0 - cloud.chop) * optical_depth);
         let seen = m.transmittance * (1.0 - through);
-        if seen > 1e-5 {
-            add_light(v, &m, ray, middle, seen, blur);
+        // Light the sample, and those before it that were too thin to be worth it.
+        unlit += seen;
+        last = middle;
+        if unlit > 1e-4 {
+            add_light(v, &m, ray, middle, unlit, blur);
+            unlit = 0.0;
         }
         m.transmittance *= through;
         m.optical_depth += optical_depth;
         if m.transmittance < opaque {
-            close(&m);
+            close(&m, unlit);
+            unlit = 0.0;
             break;
         }
         // In clear air step to where matter can begin at the soonest; inside, steps grow.
@@ -371,6 +394,9 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         if t >= farthest {
             break;
         }
+    }
+    if unlit > 0.0 {
+        add_light(v, &m, ray, last, unlit, pixel_footprint(camera, last));
     }
     return m;
 }
@@ -427,7 +453,7 @@ fn shade(v: Varyings) -> Shade {
     let sun = mix(v.sun_base, v.sun_top, height);
     var single = wide * m.single;
     if PEAK {
-        single += peak * recovered_peak(m.optical_depth, cloud.chop);
+        single += peak * recovered_peak(m.optical_depth, cloud.chop) * m.sunlit / opacity;
     }
     single *= sun;
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
@@ -439,12 +465,15 @@ fn shade(v: Varyings) -> Shade {
     return Shade(alpha, single * air.a, multiple * air.a, alpha * cloud.sun_irradiance * air.rgb, distance, m.normal);
 }
 
+// Largest value of a half float.
+const MOST: vec3f = vec3f(65504.0);
+
 // All light in one, for pictures and games.
 @fragment
 fn beauty(v: Varyings) -> @location(0) vec4f {
     let s = shade(v);
     store_counts();
-    return vec4f(s.single + s.multiple + s.air, s.alpha);
+    return vec4f(min(s.single + s.multiple + s.air, MOST), s.alpha);
 }
 
 struct LightLayers {
@@ -460,7 +489,7 @@ struct LightLayers {
 fn layers(v: Varyings) -> LightLayers {
     let s = shade(v);
     store_counts();
-    return LightLayers(vec4f(s.single, s.alpha), vec4f(s.multiple, s.alpha), vec4f(s.air, s.alpha),
+    return LightLayers(vec4f(min(s.single, MOST), s.alpha), vec4f(min(s.multiple, MOST), s.alpha), vec4f(min(s.air, MOST), s.alpha),
         vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
 }
 

@@ -16,13 +16,15 @@
 // Largest optical depth worth telling: half floats hold it, no light survives it.
 const MOST: f32 = 30000.0;
 
-// Samples in each voxel of a column, and before the box where others cast shadows.
+// Samples in each voxel of a column, and through each ellipsoid of another cloud that
+// casts its shadow on it.
 const SAMPLES: u32 = 4u;
-const SAMPLES_BEFORE: u32 = 48u;
+const SAMPLES_BEFORE: u32 = 12u;
 
 // The ellipsoids that this column meets. Where they are more than the list holds, it is
-// of no use and all ellipsoids are asked: slower, and right. (Software Vulkan ends a
-// shader's loops after 65535 rounds in all: the list keeps columns far below that.)
+// of no use and all ellipsoids are asked: slower, and right, but that shadows of others
+// come from the list alone. (Mesa's software Vulkan ends a shader's loops after 65535
+// rounds in all; the list keeps columns of some sixty ellipsoids below that.)
 const MOST_HITS: u32 = 64u;
 var<private> hits: array<u32, 64>;
 var<private> hit_count: u32;
@@ -40,29 +42,45 @@ fn collect_hits(origin: vec3f) {
     }
 }
 
-// Extinction at a point of the column without the forward peak. Noise finer than a texel
-// is left out; edges are no sharper than `blur`.
-fn extinction_at(p: vec3f, blur: f32) -> f32 {
+// Extinction without the forward peak at a point of the column, and which ellipsoid it is
+// of. Noise finer than a texel is left out; edges are no sharper than `blur`.
+struct Point {
+    extinction: f32,
+    ellipsoid: u32,
+}
+
+fn point_at(p: vec3f, blur: f32) -> Point {
     let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.5 * box.texel);
     let listed = hit_count <= MOST_HITS;
     let asked = select(box.all, hit_count, listed);
-    var matter = CLEAR;
+    var point = Point(0.0, 0u);
     for (var i = 0u; i < asked; i++) {
-        let e = ellipsoids[select(i, hits[min(i, MOST_HITS - 1u)], listed)];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+        let index = select(i, hits[min(i, MOST_HITS - 1u)], listed);
+        let e = ellipsoids[index];
+        let here = matter_with(CLEAR, e, ellipsoid_unit(e, p, 1.0), noise, blur).extinction;
+        if here > point.extinction {
+            point = Point(here, index);
+        }
     }
-    return (1.0 - box.chop) * matter.extinction;
+    return Point((1.0 - box.chop) * point.extinction, point.ellipsoid);
 }
 
-// Optical depth of other clouds between the sun and the top of the column.
+// Optical depth of other clouds between the sun and the top of a column: each ellipsoid
+// is sampled along its own chord, however far away, and counts where it is the densest.
 fn shadow_of_others(top: vec3f) -> f32 {
     if box.before <= 0.0 {
         return 0.0;
     }
-    let step = box.before / f32(SAMPLES_BEFORE);
     var optical_depth = 0.0;
-    for (var i = 0u; i < SAMPLES_BEFORE; i++) {
-        optical_depth += step * extinction_at(top - (f32(i) + 0.5) * step * box.along, 0.5 * step);
+    for (var i = 0u; i < min(hit_count, MOST_HITS); i++) {
+        let chord = ellipsoid_chord(ellipsoids[hits[i]], top, box.along, 1.0);
+        let step = (min(chord.y, 0.0) - chord.x) / f32(SAMPLES_BEFORE);
+        if hits[i] >= box.own && step > 0.0 {
+            for (var j = 0u; j < SAMPLES_BEFORE; j++) {
+                let point = point_at(top + (chord.x + (f32(j) + 0.5) * step) * box.along, 0.5 * step);
+                optical_depth += select(0.0, step * point.extinction, point.ellipsoid == hits[i]);
+            }
+        }
     }
     return optical_depth;
 }
@@ -87,7 +105,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         if hit_count > 0u {
             for (var i = 0u; i < SAMPLES; i++) {
                 let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
-                let thickness = step * extinction_at(light_box_point(box, vec3f(uv, w)), blur);
+                let thickness = step * point_at(light_box_point(box, vec3f(uv, w)), blur).extinction;
                 front += exp(shadow - optical_depth) * (1.0 - exp(-thickness)) * w;
                 back = select(back, w, thickness > 0.0);
                 optical_depth += thickness;

@@ -38,8 +38,8 @@
 //!
 //! Metres, Y up, right-handed, north is -Z. Directions point away from the shaded point
 //! (`to_sun`). Light is linear RGB in units of the sun's irradiance above the atmosphere,
-//! which is 1 unless a scene says otherwise: 128 000 lux make it photometric. Phase
-//! functions integrate to 1 over the sphere. Angles are radians inside, degrees in files.
+//! which is 1 unless a scene says otherwise; times 128 000 lux it is photometric (afterwards:
+//! half floats end at 65504, and what is brighter is cut there). Phase functions integrate to 1 over the sphere. Angles are radians inside, degrees in files.
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -176,3 +176,48 @@ fn no_adapter_ends_in_a_sentence_that_helps() {
         assert!(String::from_utf8(output).unwrap().contains("mesa-vulkan-drivers"));
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn output_through_a_link_goes_where_the_link_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, link, device] = ["file.json", "link.json", "device.json"].map(|name| folder.path().join(name));
+    fs::write(&file, "old").unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    told(&["new", "--preset", "kol", "--force", "-o", link.to_str().unwrap()]);
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(Scene::load(&file).unwrap(), Preset::Kol.scene(1));
+    // A device stays a device.
+    std::os::unix::fs::symlink("/dev/null", &device).unwrap();
+    told(&["new", "--preset", "kol", "--force", "-o", device.to_str().unwrap()]);
+    assert!(!fs::metadata("/dev/null").unwrap().is_file());
+}
+
+#[test]
+fn path_tracing_writes_its_error_beside_the_picture() {
+    use exr::prelude::*;
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "truth.exr"));
+    fs::write(&scene, SMALL).unwrap();
+    let words = [
+        "render",
+        &scene,
+        "-o",
+        &picture,
+        "--width",
+        "16",
+        "--height",
+        "9",
+        "--transport",
+        "path",
+        "--spp",
+        "9",
+    ];
+    told(&words);
+    let image = read_first_flat_layer_from_file(&picture).unwrap();
+    let names: Vec<_> =
+        image.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    for name in ["R", "G", "B", "A", "error.R", "error.G", "error.B"] {
+        assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
+    }
+}

@@ -61,6 +61,17 @@ const MAKE: &str = "
             row(x[0], vec3f(0, 0, 1), x[1].z), x[2].xyz, x[2].w, x[3].x, x[3].y, x[3].z, x[1].w);
     }";
 
+/// PCG RXS-M-XS with 32 bits (O'Neill 2014): output and next state.
+fn pcg(state: u32) -> (u32, u32) {
+    let next = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let word = ((next >> ((next >> 28) + 4)) ^ next).wrapping_mul(277_803_737);
+    ((word >> 22) ^ word, next)
+}
+
+fn seeds() -> Vec<[[f32; 4]; 7]> {
+    grid(&[0.0, 1.0, 77.0, 16_777_215.0], &[0.0, 5.0, 1e6], &[0.0, 3.0], &[0.0])
+}
+
 /// Edges of a light box whose columns lean, m.
 fn leaning() -> DMat3 {
     let along = DVec3::new(0.3, 0.8, -0.6) / DVec3::new(0.3, 0.8, -0.6).length();
@@ -166,7 +177,8 @@ fn chord(x: &[[f64; 4]; 7]) -> [f64; 4] {
 fn eddington(x: &[[f64; 4]; 7]) -> f64 {
     let [g, mu0, depth, thickness] = x[0];
     let nu = x[1][0];
-    let (g1, f) = (g / (1.0 + g), g * g);
+    let f = g.max(0.0).powi(2);
+    let g1 = (g - f) / (1.0 - f);
     let (t, total) = ((1.0 - f) * depth, (1.0 - f) * thickness);
     let c = 3.0 / (4.0 * PI);
     let slope = |t: f64, [_, i1]: [f64; 2]| {
@@ -197,7 +209,8 @@ fn eddington(x: &[[f64; 4]; 7]) -> f64 {
     };
     let (a, b) = (leak(0.0), leak(1.0));
     let [i0, i1] = integrate(-a / (b - a), t);
-    (i0 + g1 * nu * i1).max(0.0)
+    // Scattering of I0 + nu I1 by a phase function of asymmetry g.
+    (i0 + g * nu * i1).max(0.0)
 }
 
 /// Everything of the library but the sky, whose twins are in tests/sky.rs.
@@ -363,6 +376,16 @@ fn twins() -> Vec<Twin> {
             0.0,
         ),
         twin(
+            "side_loss",
+            "eddington",
+            "return vec4f(side_loss(x[0].x, x[0].y));",
+            grid(&[0.1, 1.0, 3.0], &[-0.5, 0.0, 0.2, 6.0], &[0.0], &[0.0]),
+            // Two faces alone are a slab; sides that conduct as two faces take half of it.
+            |x| one(1.0 / (1.0 + 0.5 * x[0][1].max(0.0) / x[0][0])),
+            1e-6,
+            0.0,
+        ),
+        twin(
             "absorbed",
             "eddington",
             "return vec4f(absorbed(x[0].x, x[0].y, x[0].z));",
@@ -409,6 +432,40 @@ fn twins() -> Vec<Twin> {
             },
             1e-5,
             1e-5,
+        ),
+        twin(
+            "next_random",
+            "path_random",
+            "var s = u32(x[0].x); let r = next_random(&s); return vec4f(f32(r >> 8u), f32(s >> 8u), 0.0, 0.0);",
+            seeds(),
+            |x| {
+                let (word, state) = pcg(x[0][0] as u32);
+                [f64::from(word >> 8), f64::from(state >> 8), f64::NAN, f64::NAN]
+            },
+            0.0,
+            0.0,
+        ),
+        twin(
+            "uniform_random",
+            "path_random",
+            "var s = u32(x[0].x); return vec4f(uniform_random(&s));",
+            seeds(),
+            |x| one(f64::from(pcg(x[0][0] as u32).0 >> 8) / 16_777_216.0),
+            0.0,
+            0.0,
+        ),
+        twin(
+            "hash_random",
+            "path_random",
+            "return vec4f(f32(hash_random(u32(x[0].x), u32(x[0].y), u32(x[0].z)) >> 8u));",
+            seeds(),
+            |x| {
+                let [pixel, sample, seed] = [0, 1, 2].map(|i| x[0][i] as u32);
+                let first = pcg(pixel.wrapping_mul(1_597_334_677).wrapping_add(seed)).0;
+                one(f64::from(pcg(first ^ sample.wrapping_mul(3_812_015_801)).0 >> 8))
+            },
+            0.0,
+            0.0,
         ),
         twin(
             "interleaved_gradient",
@@ -521,7 +578,7 @@ fn with_second(mut inputs: Vec<[[f32; 4]; 7]>, value: f32) -> Vec<[[f32; 4]; 7]>
 
 /// Asymmetry, sun cosine, depth and thickness of slabs; depths up to the far face.
 fn slabs() -> Vec<[[f32; 4]; 7]> {
-    let all = grid(&[0.0, 0.73, 0.9], &[0.2, 0.7, 1.0], &[0.0, 0.5, 5.0, 30.0], &[0.5, 5.0, 30.0]);
+    let all = grid(&[-0.6, 0.0, 0.73, 0.9], &[0.2, 0.7, 1.0], &[0.0, 0.5, 5.0, 30.0], &[0.5, 5.0, 30.0]);
     all.into_iter().filter(|x| x[0][2] <= x[0][3]).collect()
 }
 

@@ -1,6 +1,7 @@
 // Droplet density, as extinction: noise displaces the boundary of each ellipsoid
 // inwards, and the density rises over a width of its own behind it. Continuous by
-// construction: zero on the ellipsoid, constant in the core, whatever the noise.
+// construction: zero on the ellipsoid, constant in the core, whatever the noise; save for
+// edges that are widened to the width of a pixel, which are cut off there.
 // @use ellipsoid
 
 // s(x) = 6x^5 - 15x^4 + 10x^3 on [0, 1] [K 3.2].

@@ -1,14 +1,16 @@
 // Delta-Eddington: light scattered many times inside a plane-parallel slab, in closed
 // form. Depths are optical, along the normal, in the medium without its forward peak,
-// and scaled here by 1 - g^2 (Joseph, Wiscombe and Weinman 1976).
+// and scaled here by 1 - f, f = g^2 (Joseph, Wiscombe and Weinman 1976).
 // @use constants
 
 // A conservative slab lit by a beam of irradiance 1 across it, at cosine `mu0` to the
 // normal: the source function of light that was scattered at least once before, 1/sr,
 // towards downward cosine `nu`, at optical depth `depth` of `thickness`.
 fn eddington_beam(g: f32, mu0: f32, depth: f32, thickness: f32, nu: f32) -> f32 {
-    let scale = 1.0 - g * g;
-    let g1 = g / (1.0 + g);
+    // The peak of a phase function that scatters backwards is not forward: none is cut.
+    let f = max(g, 0.0) * max(g, 0.0);
+    let scale = 1.0 - f;
+    let g1 = (g - f) / scale;
     let t = scale * depth;
     let total = scale * thickness;
     let arriving = (2.0 / 3.0 + mu0) + (2.0 / 3.0 - mu0) * exp(-total / mu0);
@@ -18,7 +20,9 @@ fn eddington_beam(g: f32, mu0: f32, depth: f32, thickness: f32, nu: f32) -> f32 
     let c = 3.0 * INV_4PI;
     let i1 = c * (flux - mu0 * beam);
     let i0 = c * (2.0 / 3.0 * (mu0 - flux) - (1.0 - g1) * (flux * t - lost) + g1 * lost);
-    return max(i0 + g1 * nu * i1, 0.0);
+    // The source of the unscaled medium, whose path the view ray is: g1 of what is scattered
+    // and f of what goes straight on make g.
+    return max(i0 + g * nu * i1, 0.0);
 }
 
 // How well diffuse light comes through an optical depth, relative: the Eddington
@@ -28,11 +32,11 @@ fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
 }
 
 // What leaves a slab by its two faces, of all that leaves a cloud with six: the slab has
-// no sides, the cloud has. `faces` and `sides` are conductances from a point. That a third
-// of the sides counts is fitted to path traced cumulus (humilis, mediocris, congestus and
-// the homogeneous sphere, sun at 40 degrees), where it halves the error.
+// no sides, the cloud has. `faces` and `sides` are conductances from a point. That half of
+// the sides counts is fitted to path traced pictures of humilis, mediocris, congestus and
+// the homogeneous sphere (README).
 fn side_loss(faces: f32, sides: f32) -> f32 {
-    return faces / (faces + 0.33 * max(sides, 0.0));
+    return faces / (faces + 0.5 * max(sides, 0.0));
 }
 
 // What absorption leaves of multiply scattered light at an optical depth below the lit

@@ -80,6 +80,11 @@ impl Gpu {
         Ok(Self::watch(device, queue, info.into()))
     }
 
+    /// Takes over a device that the caller opened, and watches it for errors and loss.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, adapter: wgpu::AdapterInfo) -> Self {
+        Self::watch(device, queue, adapter.into())
+    }
+
     fn watch(device: wgpu::Device, queue: wgpu::Queue, adapter: AdapterSummary) -> Self {
         let lost = Arc::new(AtomicBool::new(false));
         let complaint = Arc::new(Mutex::new(None));

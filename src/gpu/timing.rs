@@ -14,7 +14,8 @@ pub struct PassTime {
     pub ms: f64,
 }
 
-const SLOTS: u32 = 256;
+/// The most that WebGPU promises of one query set.
+const SLOTS: u32 = 4096;
 
 /// Hands out pairs of time stamps to passes and reads them after the frame.
 /// Where the adapter has no time stamps it hands out nothing and reads nothing.

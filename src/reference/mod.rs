@@ -30,8 +30,8 @@ pub struct SceneUniform {
 }
 
 /// Bytes of the shader's `Path` and `Sum`, and the loop rounds of one dispatch.
-const PATH_BYTES: usize = 96;
-const SUM_FLOATS: usize = 8;
+pub(crate) const PATH_BYTES: usize = 96;
+pub(crate) const SUM_FLOATS: usize = 8;
 const BUDGET: u32 = 1024;
 /// Cells along the longest axis of the grid.
 const RESOLUTION: u32 = 48;

@@ -202,7 +202,8 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
             0.0
         } else {
-            (0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32
+            // A point is drawn as a disc too: it must not read as none.
+            ((0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32).max(1e-6)
         },
         padding: [0.0; 2],
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),

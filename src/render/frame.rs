@@ -1,10 +1,15 @@
 //! One moment of a scene as the GPU takes it: the only type between the artist's
 //! `Scene` and the passes.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{camera::CameraUniform, ellipsoids::EllipsoidUniform, noise::NoiseFrame, optics::CloudOptics};
-use crate::{Result, scene::Scene};
+use crate::{
+    Error, Result,
+    scene::{Droplets, Scene},
+};
 
 /// A scene at one moment, seen by one camera, for one size of picture.
 #[derive(Debug, Clone)]
@@ -28,7 +33,7 @@ pub struct CloudFrame {
     pub(crate) ellipsoids: Vec<EllipsoidUniform>,
     /// Ellipsoids of other clouds, in this cloud's frame.
     pub(crate) others: Vec<EllipsoidUniform>,
-    pub(crate) optics: CloudOptics,
+    pub(crate) optics: Arc<CloudOptics>,
     pub(crate) noise: NoiseFrame,
 }
 
@@ -36,9 +41,15 @@ impl Frame {
     /// `scene` at its own time, for a picture of `size` pixels.
     ///
     /// # Errors
-    /// Where a value of the scene is out of its range.
+    /// Where a value of the scene is out of its range, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
         scene.validate()?;
+        if size.contains(&0) {
+            return Err(Error::Argument(format!(
+                "a picture of {} by {} pixels has none: both must be at least 1",
+                size[0], size[1]
+            )));
+        }
         let camera = scene.camera();
         let mut moved = scene.clone();
         let blown = scene.wind.velocity * scene.time;
@@ -62,9 +73,15 @@ impl Frame {
 
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     let mut frames = Vec::new();
+    let mut known: Vec<(&Droplets, Arc<CloudOptics>)> = Vec::new();
     for (index, cloud) in scene.clouds.iter().enumerate() {
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
+        let optics = match known.iter().find(|(droplets, _)| **droplets == cloud.droplets) {
+            Some((_, optics)) => optics.clone(),
+            None => Arc::new(CloudOptics::new(&cloud.droplets)?),
+        };
+        known.push((&cloud.droplets, optics.clone()));
         let others = scene.clouds.iter().enumerate().filter(|(other, _)| *other != index);
         let in_frame = |cloud| move |e| EllipsoidUniform::new(cloud, e, origin);
         frames.push(CloudFrame {
@@ -72,7 +89,7 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             half: 0.5 * (max - min),
             ellipsoids: cloud.ellipsoids.iter().map(in_frame(cloud)).collect(),
             others: others.flat_map(|(_, other)| other.ellipsoids.iter().map(in_frame(other))).collect(),
-            optics: CloudOptics::new(&cloud.droplets)?,
+            optics,
             noise: NoiseFrame::new(&scene.noise, origin),
         });
     }

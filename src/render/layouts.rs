@@ -8,7 +8,10 @@ use super::{
     camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
     light::LightBox, noise::NoiseFrame, tiles::Tile,
 };
-use crate::gpu;
+use crate::{
+    gpu,
+    reference::{PATH_BYTES, SUM_FLOATS, SceneUniform},
+};
 
 /// Name, offset and size of each member, and the size of the whole.
 type Layout = (Vec<(String, u32, u32)>, u32);
@@ -41,7 +44,12 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 7] = [
+    let cases: [(&str, &str, Layout); 8] = [
+        (
+            "path",
+            "Scene",
+            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude),
+        ),
         (
             "clouds",
             "Camera",
@@ -75,4 +83,10 @@ fn structs_of_rust_and_shaders_agree() {
     for (shader, name, rust) in cases {
         assert_eq!(in_shader(shader, name), rust, "{name}");
     }
+}
+
+#[test]
+fn storage_of_paths_has_the_size_that_the_shader_takes() {
+    assert_eq!(in_shader("path", "Path").1 as usize, PATH_BYTES);
+    assert_eq!(in_shader("path", "Sum").1 as usize, 4 * SUM_FLOATS);
 }

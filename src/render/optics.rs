@@ -20,8 +20,7 @@ const ANGLES: usize = 1024;
 pub(crate) struct CloudOptics {
     /// Share of extinction in the forward peak that transport leaves out.
     pub chop: f32,
-    /// Asymmetry of the phase function without its peak, green; 0 where it scatters
-    /// backwards, for which delta-Eddington has no meaning.
+    /// Asymmetry of the phase function without its peak, green.
     pub asymmetry: f32,
     /// Single-scattering albedo of the medium without the peak.
     pub albedo: f32,
@@ -46,7 +45,7 @@ impl CloudOptics {
         };
         Ok(Self {
             chop: chop as f32,
-            asymmetry: chopped.asymmetry[1].max(0.0) as f32,
+            asymmetry: chopped.asymmetry[1] as f32,
             albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - chop)) as f32,
             table: [row(&wide), row(&peak)].concat(),
         })

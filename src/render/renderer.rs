@@ -46,7 +46,8 @@ pub struct Target<'a> {
     pub sky: bool,
 }
 
-/// A depth buffer of the caller's, drawn with the frame's camera.
+/// A depth buffer of the caller's, drawn with the frame's camera: perspective, or
+/// orthographic with a finite far plane.
 pub struct SceneDepth<'a> {
     /// A view of a depth texture, depth aspect, that can be sampled.
     pub view: &'a wgpu::TextureView,
@@ -149,7 +150,8 @@ impl Renderer {
     }
 
     /// Records the passes that draw `frame` into `target`. One frame a submission: the
-    /// uniforms of a second one would reach the first.
+    /// uniforms of a second one would reach the first. Submit the encoder: what it makes for
+    /// later frames counts as made.
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
         let draws = self.begin(encoder, frame, target);
         for draw in &draws {
