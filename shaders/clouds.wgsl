@@ -240,7 +240,10 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     let level = log2(max(cloud.slab_length / cloud.sun.texel, 1.0));
     let map = textureSampleLevel(sun_depths, clamped, uv, level);
     let lit = textureSampleLevel(sun_normals, clamped, uv, level).xyz / max(map.w, 1e-3);
-    let normal = normalize(lit + facing_at(v, p) + 1e-3 * cloud.to_sun);
+    // A lump's far side is lit through the lump: only its sides turn the slab.
+    let around = facing_at(v, p);
+    let facing = around - min(dot(around, cloud.to_sun), 0.0) * cloud.to_sun;
+    let normal = normalize(lit + facing + 1e-3 * cloud.to_sun);
     let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
     let thickness = max(map.z / max(map.w, 1e-3), depth);
     let source = exp(-(1.0 - max(g, 0.0) * g) * shadow)

@@ -164,3 +164,40 @@ fn more_samples_continue_the_same_picture() {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5));
     }
 }
+
+/// Relative RMSE, the estimate's own noise taken off, and the ratio of mean light, of the
+/// renderer against the path tracer, where the cloud is.
+fn against_truth(scene: &Scene, transport: nephos::render::Transport) -> (f64, f64) {
+    let size = [32, 18];
+    let mut renderer = common::picture::renderer(nephos::render::Quality::PREVIEW, transport);
+    let picture = common::picture::draw(&mut renderer, scene, [64, 36], false).reduced(2);
+    let truth = trace(scene, size, 120);
+    let (mut squares, mut noise, mut whole, mut light, mut exact) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for i in 0..truth.mean.len() {
+        if truth.mean[i][3] > 0.3 {
+            let mean = |pixel: &[f32]| f64::from(pixel[0] + pixel[1] + pixel[2]) / 3.0;
+            let (a, b) = (mean(&picture.pixels[i]), mean(&truth.mean[i]));
+            let variance = truth.error[i].iter().map(|e| f64::from(*e).powi(2)).sum::<f64>() / 9.0;
+            squares += (a - b).powi(2);
+            noise += variance;
+            whole += b * b - variance;
+            light += a;
+            exact += b;
+        }
+    }
+    (((squares - noise).max(0.0) / whole).sqrt(), light / exact)
+}
+
+#[test]
+fn the_renderer_is_near_the_truth_and_multiple_scattering_brings_it_there() {
+    use nephos::render::Transport;
+    use nephos::scene::Preset;
+    let mut scene = Preset::Congestus.scene(1);
+    // Without the forward peak of Mie scattering, whose rare bright paths would take minutes.
+    scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g: 0.8 };
+    let (error, bias) = against_truth(&scene, Transport::DeltaEddington);
+    // Measured: 0.32 and 0.84. A wrong sign in phase or density leaves neither.
+    assert!(error < 0.4 && (0.75..1.15).contains(&bias), "{error} {bias}");
+    let (single, _) = against_truth(&scene, Transport::Single);
+    assert!(single > 1.5 * error, "{single} against {error}");
+}

@@ -380,8 +380,8 @@ fn twins() -> Vec<Twin> {
             "eddington",
             "return vec4f(side_loss(x[0].x, x[0].y));",
             grid(&[0.1, 1.0, 3.0], &[-0.5, 0.0, 0.2, 6.0], &[0.0], &[0.0]),
-            // Two faces alone are a slab; sides that conduct as two faces take half of it.
-            |x| one(1.0 / (1.0 + 0.5 * x[0][1].max(0.0) / x[0][0])),
+            // Two faces alone are a slab.
+            |x| one(1.0 / (1.0 + 0.3 * x[0][1].max(0.0) / x[0][0])),
             1e-6,
             0.0,
         ),

@@ -32,11 +32,11 @@ fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
 }
 
 // What leaves a slab by its two faces, of all that leaves a cloud with six: the slab has
-// no sides, the cloud has. `faces` and `sides` are conductances from a point. That half of
-// the sides counts is fitted to path traced pictures of humilis, mediocris, congestus and
-// the homogeneous sphere (README).
+// no sides, the cloud has. `faces` and `sides` are conductances from a point. The share of
+// the sides that counts is fitted to path traced pictures of humilis, mediocris, congestus
+// and the homogeneous sphere, each under three suns: the table in the README.
 fn side_loss(faces: f32, sides: f32) -> f32 {
-    return faces / (faces + 0.5 * max(sides, 0.0));
+    return faces / (faces + 0.3 * max(sides, 0.0));
 }
 
 // What absorption leaves of multiply scattered light at an optical depth below the lit
