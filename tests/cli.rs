@@ -142,7 +142,7 @@ fn bad_input_ends_in_a_sentence_and_writes_nothing() {
     fs::write(&bad, SMALL.replace("radii", "radius")).unwrap();
     let picture = in_folder(&folder, "out.png");
     let cases: &[(&[&str], i32, &str)] = &[
-        (&["render", &bad, "-o", &picture], 1, "radii"),
+        (&["render", &bad, "-o", &picture], 1, "bad.json: clouds[0].ellipsoids[0]"),
         (&["render", "missing.json", "-o", &picture], 1, "missing.json"),
         (&["render", &good, "-o", "out.jpeg"], 1, ".png"),
         (&["render", &good, "-o", &picture, "--layers"], 1, ".exr"),
