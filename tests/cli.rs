@@ -36,6 +36,13 @@ fn in_folder(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).to_str().unwrap().to_owned()
 }
 
+/// Writes the smallest scene; gives its path and that of a picture beside it.
+fn small_scene(folder: &tempfile::TempDir, picture: &str) -> (String, String) {
+    let scene = in_folder(folder, "scene.json");
+    fs::write(&scene, SMALL).unwrap();
+    (scene, in_folder(folder, picture))
+}
+
 #[test]
 fn new_writes_the_preset_of_its_seed() {
     let folder = tempfile::tempdir().unwrap();
@@ -71,8 +78,7 @@ fn schema_is_written_whole() {
 #[test]
 fn render_writes_a_png_of_the_size_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.png"));
-    fs::write(&scene, SMALL).unwrap();
+    let (scene, picture) = small_scene(&folder, "cloud.png");
     let words =
         ["render", &scene, "-o", &picture, "--width", "50", "--height", "30", "--quality", "draft", "--json"];
     let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
@@ -83,8 +89,7 @@ fn render_writes_a_png_of_the_size_asked_for() {
 #[test]
 fn render_stats_count_work() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.png"));
-    fs::write(&scene, SMALL).unwrap();
+    let (scene, picture) = small_scene(&folder, "cloud.png");
     let words = ["render", &scene, "-o", &picture, "--width", "64", "--height", "36", "--stats", "--json"];
     let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
     let count = |name: &str| report["counts"][name].as_u64().unwrap();
@@ -96,8 +101,7 @@ fn render_stats_count_work() {
 fn layers_add_up_to_the_beauty() {
     use exr::prelude::*;
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "cloud.exr"));
-    fs::write(&scene, SMALL).unwrap();
+    let (scene, picture) = small_scene(&folder, "cloud.exr");
     let words = [
         "render",
         &scene,
@@ -197,8 +201,7 @@ fn output_through_a_link_goes_where_the_link_points() {
 fn path_tracing_writes_its_error_beside_the_picture() {
     use exr::prelude::*;
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "truth.exr"));
-    fs::write(&scene, SMALL).unwrap();
+    let (scene, picture) = small_scene(&folder, "truth.exr");
     let words = [
         "render",
         &scene,
