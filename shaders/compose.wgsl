@@ -14,12 +14,12 @@ struct Compose {
 @group(0) @binding(1) var picture: texture_2d<f32>;
 
 @vertex
-fn screen(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
     return vec4f(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
 @fragment
-fn compose(@builtin(position) position: vec4f) -> @location(0) vec4f {
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let light = textureLoad(picture, vec2u(position.xy), 0);
     let color = light.rgb / max(light.a, 1e-4);
     // One step of an 8-bit channel, triangular, against bands in smooth skies.

@@ -36,11 +36,15 @@ fn in_folder(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).to_str().unwrap().to_owned()
 }
 
-/// Writes the smallest scene; gives its path and that of a picture beside it.
-fn small_scene(folder: &tempfile::TempDir, picture: &str) -> (String, String) {
-    let scene = in_folder(folder, "scene.json");
+/// Renders the smallest scene to `picture` in `folder` with more words; gives the picture's
+/// path and what the program told.
+fn render_small(folder: &tempfile::TempDir, picture: &str, words: &str) -> (String, String) {
+    let (scene, picture) = (in_folder(folder, "scene.json"), in_folder(folder, picture));
     fs::write(&scene, SMALL).unwrap();
-    (scene, in_folder(folder, picture))
+    let mut all = vec!["render", &scene, "-o", &picture];
+    all.extend(words.split_whitespace());
+    let report = told(&all);
+    (picture, report)
 }
 
 #[test]
@@ -78,10 +82,9 @@ fn schema_is_written_whole() {
 #[test]
 fn render_writes_a_png_of_the_size_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = small_scene(&folder, "cloud.png");
-    let words =
-        ["render", &scene, "-o", &picture, "--width", "50", "--height", "30", "--quality", "draft", "--json"];
-    let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
+    let words = "--width 50 --height 30 --quality draft --json";
+    let (picture, report) = render_small(&folder, "cloud.png", words);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["width"], 50);
     assert_eq!(image::image_dimensions(&picture).unwrap(), (50, 30));
 }
@@ -89,9 +92,8 @@ fn render_writes_a_png_of_the_size_asked_for() {
 #[test]
 fn render_stats_count_work() {
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = small_scene(&folder, "cloud.png");
-    let words = ["render", &scene, "-o", &picture, "--width", "64", "--height", "36", "--stats", "--json"];
-    let report: serde_json::Value = serde_json::from_str(&told(&words)).unwrap();
+    let (_, report) = render_small(&folder, "cloud.png", "--width 64 --height 36 --stats --json");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     let count = |name: &str| report["counts"][name].as_u64().unwrap();
     assert!(count("rays") >= count("rays_hit") && count("rays_hit") > 100);
     assert_eq!(count("noise_reads"), 2 * count("density_evaluations"));
@@ -101,21 +103,7 @@ fn render_stats_count_work() {
 fn layers_add_up_to_the_beauty() {
     use exr::prelude::*;
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = small_scene(&folder, "cloud.exr");
-    let words = [
-        "render",
-        &scene,
-        "-o",
-        &picture,
-        "--width",
-        "48",
-        "--height",
-        "27",
-        "--quality",
-        "draft",
-        "--layers",
-    ];
-    told(&words);
+    let (picture, _) = render_small(&folder, "cloud.exr", "--width 48 --height 27 --quality draft --layers");
     let image = read_first_flat_layer_from_file(&picture).unwrap();
     let channel = |name: &str| -> Vec<f32> {
         let list = &image.layer_data.channel_data.list;
@@ -201,22 +189,7 @@ fn output_through_a_link_goes_where_the_link_points() {
 fn path_tracing_writes_its_error_beside_the_picture() {
     use exr::prelude::*;
     let folder = tempfile::tempdir().unwrap();
-    let (scene, picture) = small_scene(&folder, "truth.exr");
-    let words = [
-        "render",
-        &scene,
-        "-o",
-        &picture,
-        "--width",
-        "16",
-        "--height",
-        "9",
-        "--transport",
-        "path",
-        "--spp",
-        "9",
-    ];
-    told(&words);
+    let (picture, _) = render_small(&folder, "truth.exr", "--width 16 --height 9 --transport path --spp 9");
     let image = read_first_flat_layer_from_file(&picture).unwrap();
     let names: Vec<_> =
         image.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();

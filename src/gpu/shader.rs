@@ -162,3 +162,36 @@ pub(crate) fn bind_group(
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
+
+/// The pipeline of the shader called `name` whose functions `vertex` and `fragment` draw one
+/// triangle over all of a target, without blending.
+pub(crate) fn screen_pipeline(
+    device: &wgpu::Device,
+    name: &str,
+    overrides: &[(&str, f64)],
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let module = shader_module(device, name);
+    let options = || wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(name),
+        layout: None,
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("vertex"),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment"),
+            compilation_options: options(),
+            targets: &[Some(format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

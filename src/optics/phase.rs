@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use crate::{Error, Result};
+use crate::{Error, Result, scene};
 
 /// A phase function of the three channels, in 1/sr, integrating to 1 over the
 /// sphere.
@@ -40,6 +40,18 @@ impl Phase {
         Ok(Self::Tabulated(Box::new([channel(0)?, channel(1)?, channel(2)?])))
     }
 
+    /// That of a cloud's droplets.
+    ///
+    /// # Errors
+    /// Where effective radius or asymmetry is out of its range.
+    pub fn of(droplets: &scene::Droplets) -> Result<Self> {
+        match droplets.phase {
+            scene::Phase::Mie => Self::mie(droplets.effective_radius_um),
+            scene::Phase::HenyeyGreenstein { g } => Self::henyey_greenstein(g),
+            scene::Phase::Isotropic => Ok(Self::Isotropic),
+        }
+    }
+
     /// Value in 1/sr of a channel (0 red, 1 green, 2 blue) at scattering angle
     /// `theta` in radians, 0 to pi.
     pub fn value(&self, channel: usize, theta: f64) -> f64 {
@@ -69,6 +81,14 @@ pub fn henyey_greenstein(g: f64, theta: f64) -> f64 {
     let half_sine = (0.5 * theta).sin();
     let distance_squared = (1.0 - g).powi(2) + 4.0 * g * half_sine * half_sine;
     0.25 * FRAC_1_PI * (1.0 - g * g) / distance_squared.powf(1.5)
+}
+
+/// The scattering angle, rad, at coordinate `u` from 0 to 1 of a table that is even in the
+/// square root of the angle up to the middle and mirrored beyond: dense at the forward peak
+/// and at the glory. The inverse of `phase_coordinate` in `shaders/lib/phase.wgsl`.
+pub fn angle_at(u: f64) -> f64 {
+    let from_end = 2.0 * u.min(1.0 - u).powi(2) * PI;
+    if u < 0.5 { from_end } else { PI - from_end }
 }
 
 /// A phase function known at some angles, its logarithm linear in the angle

@@ -1,11 +1,9 @@
 //! Phase functions as the path tracer samples them.
 
-use std::f64::consts::PI;
-
 use crate::{
     Result,
-    optics::phase::Phase,
-    scene::{self, Droplets},
+    optics::phase::{Phase, angle_at},
+    scene::Droplets,
 };
 
 /// Entries of each table; `ANGLES` of `shaders/path.wgsl`.
@@ -14,14 +12,12 @@ pub(super) const ANGLES: usize = 4096;
 /// The droplets' albedo, phase functions and inverse distributions of the angle, for
 /// three channels, in the order of the shader's `phase_tables`.
 pub(super) fn tables(droplets: &Droplets) -> Result<Vec<f32>> {
-    let phase = match droplets.phase {
-        scene::Phase::Mie => Phase::mie(droplets.effective_radius_um)?,
-        scene::Phase::HenyeyGreenstein { g } => Phase::henyey_greenstein(g)?,
-        scene::Phase::Isotropic => Phase::Isotropic,
-    };
+    let phase = Phase::of(droplets)?;
     let mut table = vec![droplets.albedo as f32];
     for channel in 0..3 {
-        table.extend((0..ANGLES).map(|i| phase.value(channel, angle(i as f64 / (ANGLES - 1) as f64)) as f32));
+        table.extend(
+            (0..ANGLES).map(|i| phase.value(channel, angle_at(i as f64 / (ANGLES - 1) as f64)) as f32),
+        );
     }
     for channel in 0..3 {
         table.extend(inverse_distribution(|theta| phase.value(channel, theta)));
@@ -29,16 +25,10 @@ pub(super) fn tables(droplets: &Droplets) -> Result<Vec<f32>> {
     Ok(table)
 }
 
-/// The angle at a coordinate from 0 to 1, rad: even in its square root from both ends.
-fn angle(u: f64) -> f64 {
-    let from_end = 2.0 * u.min(1.0 - u).powi(2) * PI;
-    if u < 0.5 { from_end } else { PI - from_end }
-}
-
 /// The angle below which a share i / (ANGLES - 1) of the light is scattered.
 fn inverse_distribution(phase: impl Fn(f64) -> f64) -> Vec<f32> {
     const FINE: usize = 1 << 16;
-    let angles: Vec<f64> = (0..=FINE).map(|i| angle(i as f64 / FINE as f64)).collect();
+    let angles: Vec<f64> = (0..=FINE).map(|i| angle_at(i as f64 / FINE as f64)).collect();
     let mut within = vec![0.0];
     for pair in angles.windows(2) {
         let middle = 0.5 * (pair[0] + pair[1]);
@@ -60,6 +50,7 @@ fn inverse_distribution(phase: impl Fn(f64) -> f64) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene;
 
     #[test]
     fn sampled_angles_have_the_mean_cosine_of_the_phase_function() {

@@ -16,6 +16,7 @@ mod sky;
 mod sky_background;
 mod sky_settings;
 mod stats;
+mod target;
 mod tiles;
 
 pub use camera::CameraUniform;
@@ -24,7 +25,8 @@ pub use frame::Frame;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub use quality::Quality;
-pub use renderer::{Layers, Renderer, SceneDepth, Target, Transport};
+pub use renderer::{Renderer, Transport};
 pub use sky::{Redone, Sky};
 pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use stats::Counts;
+pub use target::{Layers, SceneDepth, Target};

@@ -5,8 +5,11 @@ use half::f16;
 
 use crate::{
     Result,
-    optics::{peak::Chopped, phase::Phase},
-    scene::{self, Droplets},
+    optics::{
+        peak::Chopped,
+        phase::{Phase, angle_at},
+    },
+    scene::Droplets,
 };
 
 /// Texels of the phase table along the scattering angle; `phase_coordinate` of
@@ -31,16 +34,15 @@ pub(crate) struct CloudOptics {
 
 impl CloudOptics {
     pub fn new(droplets: &Droplets) -> Result<Self> {
-        let chopped = Chopped::new(match droplets.phase {
-            scene::Phase::Mie => Phase::mie(droplets.effective_radius_um)?,
-            scene::Phase::HenyeyGreenstein { g } => Phase::henyey_greenstein(g)?,
-            scene::Phase::Isotropic => Phase::Isotropic,
-        });
+        let chopped = Chopped::new(Phase::of(droplets)?);
         let chop = droplets.albedo * chopped.f;
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - chop);
         let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
         let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
-            let texel = |i| [0, 1, 2, 1].map(|channel| f16::from_f64(value(channel, angle(i))));
+            let texel = |i| {
+                [0, 1, 2, 1]
+                    .map(|channel| f16::from_f64(value(channel, angle_at((i as f64 + 0.5) / ANGLES as f64))))
+            };
             (0..ANGLES).map(texel).collect()
         };
         Ok(Self {
@@ -74,11 +76,4 @@ impl CloudOptics {
         );
         texture.create_view(&Default::default())
     }
-}
-
-/// The scattering angle at the middle of texel `i`, rad: the inverse of `phase_coordinate`.
-fn angle(i: usize) -> f64 {
-    let u = (i as f64 + 0.5) / ANGLES as f64;
-    let from_end = 2.0 * u.min(1.0 - u).powi(2) * std::f64::consts::PI;
-    if u < 0.5 { from_end } else { std::f64::consts::PI - from_end }
 }

@@ -24,28 +24,6 @@ pub(super) fn background_pipeline(
     format: TextureFormat,
     kind: BackgroundKind,
 ) -> wgpu::RenderPipeline {
-    let module = gpu::shader_module(device, "sky");
-    let constants = &[("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
-    let options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("sky"),
-        layout: None,
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: options(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: options(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let overrides = [("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
+    gpu::screen_pipeline(device, "sky", &overrides, format)
 }
