@@ -1,7 +1,7 @@
 //! Light in plane-parallel slabs, order of scattering by order: our own of the study
 //! that Bouthors (2008) made by Monte Carlo \[K 3.1.3\], deterministic and without noise.
 //!
-//! [`medium`] holds a phase function as Legendre moments, [`angles`] the directions,
+//! [`medium`] holds a phase function as Legendre moments, [`angles`] the directions, [`axes`] the points of tables,
 //! [`depths`] the levels, [`solve`] finds the light of each set of orders.
 //!
 //! A slab lies between two planes, infinitely wide. Depths are optical, in the medium
@@ -11,6 +11,7 @@
 //! across its beam, and its direction has cosine `mu0` > 0. The medium is conservative.
 
 pub mod angles;
+pub mod axes;
 pub mod depths;
 pub mod medium;
 pub mod solve;
