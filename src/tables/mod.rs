@@ -5,6 +5,8 @@
 mod bytes;
 mod grid;
 mod mie;
+mod slab;
 
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
+pub use slab::slab_moments;

@@ -14,6 +14,7 @@ pub mod angles;
 pub mod axes;
 pub mod depths;
 pub mod medium;
+pub mod moments;
 pub mod solve;
 
 pub use medium::Medium;
