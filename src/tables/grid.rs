@@ -81,7 +81,8 @@ impl Grid {
                 if weight == 0.0 {
                     return 0.0;
                 }
-                let indices: Vec<usize> = ends.iter().enumerate().map(|(i, (low, _))| low + high(i)).collect();
+                let indices: Vec<usize> =
+                    ends.iter().enumerate().map(|(i, (low, _))| low + high(i)).collect();
                 weight * self.values[self.place(&indices) + channel].to_f64()
             })
             .sum()
@@ -181,7 +182,10 @@ mod tests {
     fn grids() -> Grids {
         let axes = vec![Axis::new("a", [0.0, 1.0, 4.0]), Axis::new("b", [1.0, 2.0])];
         let values = (0..12).map(|i| f64::from(i) * 0.5);
-        Grids(vec![Grid::new("one", axes, 2, values), Grid::new("two", vec![Axis::new("c", [7.0])], 1, [3.0])])
+        Grids(vec![
+            Grid::new("one", axes, 2, values),
+            Grid::new("two", vec![Axis::new("c", [7.0])], 1, [3.0]),
+        ])
     }
 
     #[test]

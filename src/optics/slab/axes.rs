@@ -54,7 +54,13 @@ pub fn depth_at(coordinate: f64, thickness: f64) -> f64 {
         let middle = 0.5 * (low + high);
         if depth_coordinate(middle, thickness) < coordinate { low = middle } else { high = middle }
     }
-    if coordinate <= 0.0 { 0.0 } else if coordinate >= 1.0 { thickness } else { 0.5 * (low + high) }
+    if coordinate <= 0.0 {
+        0.0
+    } else if coordinate >= 1.0 {
+        thickness
+    } else {
+        0.5 * (low + high)
+    }
 }
 
 /// Point `i` of `n`, as a coordinate from 0 to 1.

@@ -77,8 +77,7 @@ impl Curvature {
         let first = k.saturating_sub(1).min(depths.len() - 4);
         let mut weights = [0.0; 4];
         // Mean of the parabolas through three neighbours that contain the layer.
-        let parabolas: Vec<usize> =
-            (first..first + 2).filter(|start| *start <= k && k < start + 2).collect();
+        let parabolas: Vec<usize> = (first..first + 2).filter(|start| *start <= k && k < start + 2).collect();
         for start in &parabolas {
             let [a, b, c] = [depths[*start], depths[start + 1], depths[start + 2]];
             let share = 2.0 / parabolas.len() as f64;

@@ -27,8 +27,7 @@ impl Medium {
             for (l, moment) in chi.iter_mut().enumerate() {
                 *moment += share * value;
                 let l = l as f64;
-                (before, value) =
-                    (value, ((2.0 * l + 1.0) * theta.cos() * value - l * before) / (l + 1.0));
+                (before, value) = (value, ((2.0 * l + 1.0) * theta.cos() * value - l * before) / (l + 1.0));
             }
         }
         let whole = chi[0];

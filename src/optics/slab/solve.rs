@@ -218,9 +218,12 @@ impl<'a> Mode<'a> {
                 even[j] = self.rule.weight[j] * (down[j] + up[j]);
                 odd[j] = self.rule.weight[j] * (down[j] - up[j]);
             }
-            moments.extend(self.functions.iter().enumerate().map(|(l, functions)| {
-                dot(functions, if l % 2 == 0 { &even } else { &odd })
-            }));
+            moments.extend(
+                self.functions
+                    .iter()
+                    .enumerate()
+                    .map(|(l, functions)| dot(functions, if l % 2 == 0 { &even } else { &odd })),
+            );
         }
         moments
     }
@@ -251,11 +254,8 @@ fn single_scattering(beam: Beam, depth: f64, mu: f64) -> (f64, f64) {
     let Beam { thickness, mu0 } = beam;
     // mu0 (e^{-depth/mu0} - e^{-depth/mu}) / (mu0 - mu), well behaved where they meet.
     let difference = depth / mu - depth / mu0;
-    let relative = if difference.abs() < 1e-6 {
-        1.0 - 0.5 * difference
-    } else {
-        -(-difference).exp_m1() / difference
-    };
+    let relative =
+        if difference.abs() < 1e-6 { 1.0 - 0.5 * difference } else { -(-difference).exp_m1() / difference };
     let down = (-depth / mu0).exp() * depth / mu * relative;
     let left = thickness - depth;
     let up = mu0 / (mu0 + mu) * (-depth / mu0).exp() * -(-left * (1.0 / mu0 + 1.0 / mu)).exp_m1();
@@ -301,9 +301,7 @@ impl Field {
         let strength: Vec<f64> = legendre_functions(m, self.medium.degree(), mu)
             .into_iter()
             .enumerate()
-            .map(|(l, function)| {
-                0.5 * (2.0 * (m + l) as f64 + 1.0) * self.medium.chi[m + l] * function
-            })
+            .map(|(l, function)| 0.5 * (2.0 * (m + l) as f64 + 1.0) * self.medium.chi[m + l] * function)
             .collect();
         self.modes[m].moments[set].chunks_exact(degrees).map(|level| dot(level, &strength)).collect()
     }
@@ -371,7 +369,8 @@ fn norm(a: &[f64]) -> f64 {
 
 /// Solves A x = b by the stabilised biconjugate gradients of van der Vorst (1992), from x = b.
 fn bicgstab(apply: impl Fn(&[f64]) -> Vec<f64>, b: Vec<f64>) -> Vec<f64> {
-    let combine = |a: &[f64], s: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + s * b).collect() };
+    let combine =
+        |a: &[f64], s: f64, b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + s * b).collect() };
     let mut x = b.clone();
     let mut residual = combine(&b, -1.0, &apply(&x));
     let shadow = residual.clone();
