@@ -302,9 +302,11 @@ fn kept_by_sides(fit: Fit, depth: f32, open: vec3f) -> f32 {
 // The sets of orders of scattering, each from the slab that fits the cloud over its spread.
 fn slab_sets(uv: vec2f, direction: vec3f, facing: vec3f, depth: f32, open: vec3f) -> f32 {
     var source = 0.0;
+    var thickness = depth;
     for (var orders = 0u; orders < SLAB_SETS; orders++) {
-        let spread = slab_spread(orders, cloud.asymmetry, depth);
+        let spread = slab_spread(orders, cloud.similarity * thickness, cloud.similarity * depth) / cloud.similarity;
         let fit = fitted_slab(uv, spread * cloud.mean_free_path, facing, depth);
+        thickness = fit.thickness;
         let mu = dot(direction, fit.normal);
         let x = dot(direction, cloud.to_sun) - mu * fit.mu0;
         let scale = cloud.similarity * fit.mu0;

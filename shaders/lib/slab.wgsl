@@ -54,12 +54,18 @@ fn slab_path_coordinate(path: f32) -> f32 {
     return path / (path + 4.0);
 }
 
-// Spread of the points where the light of a set entered, about their mean, in mean free
-// paths: the random walk of its median order, each step keeping the cosine `g`, as wide as
-// the way it had to come.
-fn slab_spread(orders: u32, g: f32, depth: f32) -> f32 {
-    var medians = array<f32, 7>(2.0, 3.0, 4.0, 5.5, 8.0, 12.5, 24.0);
-    let n = medians[orders];
-    let walk = 2.0 * (n / (1.0 - g) - g * (1.0 - pow(max(g, 0.0), n)) / ((1.0 - g) * (1.0 - g)));
-    return sqrt(walk / 3.0) + select(0.0, 0.5 * depth, orders == 6u);
+// Spread of the places where the light of a set entered, about their mean, as an optical
+// depth: [K 3.54] fitted to random walks, src/optics/slab/spread.rs.
+fn slab_spread(orders: u32, thickness: f32, depth: f32) -> f32 {
+    if orders == SLAB_SETS - 1u {
+        let near = log(1.0 + 0.4364 * depth);
+        let far = log(1.0 + 0.3342 * thickness);
+        return 4.8646 + 0.020916 * thickness * near * near + 1.5883 * far * far;
+    }
+    var low = array<vec3f, 6>(vec3f(0.5691, 0.005954, 73.60), vec3f(0.7382, 0.009261, 131.7),
+        vec3f(0.8636, 0.015145, 136.5), vec3f(1.2356, 0.02197, 76.46), vec3f(2.2691, 0.03467, 7.664),
+        vec3f(3.6535, 0.04602, 3.016));
+    let s = low[orders];
+    let deep = log(1.0 + s.z * depth);
+    return s.x + s.y * deep * deep;
 }

@@ -13,9 +13,12 @@
 pub mod angles;
 pub mod axes;
 pub mod depths;
+mod least_squares;
 pub mod medium;
 pub mod moments;
 pub mod solve;
+pub mod spread;
+pub mod walks;
 
 pub use medium::Medium;
 pub use solve::{Beam, Field, Solver};

@@ -29,6 +29,15 @@ pub struct Beam {
     pub mu0: f64,
 }
 
+impl Beam {
+    /// 1 - e^-path, path being the optical path from `depth` against the direction of cosine
+    /// `mu` to the face of the slab; 1 along the slab.
+    pub fn opacity(&self, depth: f64, mu: f64) -> f64 {
+        let path = if mu > 0.0 { depth } else { self.thickness - depth }.max(0.0);
+        if mu.abs() < 1e-6 { 1.0 } else { -(-path / mu.abs()).exp_m1() }
+    }
+}
+
 /// Solves slabs filled with one medium.
 #[derive(Debug, Clone)]
 pub struct Solver {
@@ -252,11 +261,13 @@ impl<'a> Mode<'a> {
 /// `mu`, and upward.
 fn single_scattering(beam: Beam, depth: f64, mu: f64) -> (f64, f64) {
     let Beam { thickness, mu0 } = beam;
-    // mu0 (e^{-depth/mu0} - e^{-depth/mu}) / (mu0 - mu), well behaved where they meet.
-    let difference = (depth / mu - depth / mu0).abs();
+    // mu0 (e^{-depth/mu0} - e^{-depth/mu}) / (mu0 - mu), well behaved where they meet and
+    // where either is beyond numbers.
+    let (to_sun, back) = (depth / mu0, depth / mu);
+    let difference = (to_sun - back).abs();
     let relative =
         if difference < 1e-6 { 1.0 - 0.5 * difference } else { -(-difference).exp_m1() / difference };
-    let down = (-depth / mu0.max(mu)).exp() * depth / mu * relative;
+    let down = (-to_sun.min(back)).exp() * back * relative;
     let left = thickness - depth;
     let up = mu0 / (mu0 + mu) * (-depth / mu0).exp() * -(-left * (1.0 / mu0 + 1.0 / mu)).exp_m1();
     (down, up)
@@ -302,6 +313,26 @@ impl Field {
             for (sum, phi) in sums.iter_mut().zip(phi) {
                 let share = if m == 0 { 1.0 } else { 2.0 * (m as f64 * phi).cos() };
                 sum.iter_mut().zip(&light).for_each(|(sum, light)| *sum += share * light);
+            }
+        }
+        sums
+    }
+
+    /// Mean source function of each set that an eye sees which looks against `mu` and the
+    /// azimuths `phi`, rad, by azimuth and level: radiance / (1 - e^-path), path being the
+    /// optical path up to the face behind; the source function itself where that is 0. It is
+    /// even where radiance is not, at the faces and for light along the slab.
+    pub fn mean_source(&self, set: usize, mu: f64, phi: &[f64]) -> Vec<Vec<f64>> {
+        let opacity: Vec<f64> = self.depths.iter().map(|depth| self.beam.opacity(*depth, mu)).collect();
+        let mut sums = vec![vec![0.0; self.depths.len()]; phi.len()];
+        for m in 0..self.modes.len() {
+            let source = self.source(set, m, mu);
+            let light = self.along(&source, mu);
+            let mean = |i: usize| if opacity[i] > 0.0 { light[i] / opacity[i] } else { source[i] };
+            let means: Vec<f64> = (0..opacity.len()).map(mean).collect();
+            for (sum, phi) in sums.iter_mut().zip(phi) {
+                let share = if m == 0 { 1.0 } else { 2.0 * (m as f64 * phi).cos() };
+                sum.iter_mut().zip(&means).for_each(|(sum, mean)| *sum += share * mean);
             }
         }
         sums
@@ -407,4 +438,21 @@ fn bicgstab(apply: impl Fn(&[f64]) -> Vec<f64>, b: Vec<f64>) -> Vec<f64> {
         rho = next;
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn single_scattering_is_finite_under_low_suns() {
+        for mu0 in [0.017, 0.3, 1.0] {
+            for depth in [0.0, 1e-9, 0.5, 400.0] {
+                for mu in [1e-3, 0.3, 0.300_000_1, 1.0] {
+                    let (down, up) = single_scattering(Beam { thickness: 400.0, mu0 }, depth, mu);
+                    assert!((0.0..=1.0).contains(&down) && (0.0..=1.0).contains(&up), "{mu0} {depth} {mu}");
+                }
+            }
+        }
+    }
 }
