@@ -269,7 +269,8 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     let g = cloud.asymmetry;
     let uv = light_box_coordinate(cloud.sun, p).xy;
     let around = facing_at(v, p);
-    let facing = around - min(dot(around, cloud.to_sun), 0.0) * cloud.to_sun;
+    let away = min(dot(around, cloud.to_sun), 0.0);
+    let facing = (1.0 + away) * (around - away * cloud.to_sun);
     count(MAP_READS, 1u);
     let open = openness_at(p);
     var source = 0.0;
@@ -293,10 +294,13 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     return max(light, vec3f(0.0));
 }
 
+// What the sides leave of light that has wandered as deep as `depth`. Of the six ways out of
+// a cloud those along the slab's normal are its faces.
 fn kept_by_sides(fit: Fit, depth: f32, open: vec3f) -> f32 {
     let faces = diffuse_conductance(cloud.asymmetry, fit.mu0 * depth)
         + diffuse_conductance(cloud.asymmetry, fit.mu0 * (fit.thickness - depth));
-    return side_loss(faces, open.x + open.y + open.z - faces);
+    let upright = fit.normal.y * fit.normal.y;
+    return side_loss(faces, (open.x + open.z) * (1.0 - upright) + 0.5 * open.y * (1.0 + upright));
 }
 
 // The sets of orders of scattering, each from the slab that fits the cloud over its spread.
@@ -323,7 +327,7 @@ fn slab_sets(uv: vec2f, direction: vec3f, facing: vec3f, depth: f32, open: vec3f
 // Conductances from a point up, to the four sides together, and down.
 fn openness_at(p: vec3f) -> vec3f {
     let depths = textureSampleLevel(sky_volume, clamped, light_box_coordinate(cloud.sky, p), 0.0).rgb;
-    return vec3f(diffuse_conductance(cloud.asymmetry, depths.x), 4.0 * depths.z,
+    return vec3f(diffuse_conductance(cloud.asymmetry, depths.x), 4.0 * diffuse_conductance(cloud.asymmetry, depths.z),
         diffuse_conductance(cloud.asymmetry, depths.y));
 }
 
@@ -334,8 +338,8 @@ fn diffuse_weights(p: vec3f) -> vec3f {
     let weights = open / (open.x + open.y + open.z);
     if ABSORBING {
         // Back from the largest conductance to the smallest optical depth.
-        let nearest = (1.0 / max(open.x, open.z) - 2.0 / 3.0) / max(1.0 - cloud.asymmetry, 1e-3);
-        return weights * absorbed(cloud.albedo, cloud.asymmetry, max(nearest, 0.0));
+        let nearest = diffuse_depth(cloud.asymmetry, max(open.x, open.z));
+        return weights * absorbed(cloud.albedo, cloud.asymmetry, nearest);
     }
     return weights;
 }

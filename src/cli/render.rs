@@ -36,7 +36,7 @@ pub struct Render {
     #[arg(long, value_enum, default_value_t = QualityName::Final)]
     quality: QualityName,
     /// How light inside clouds is found.
-    #[arg(long, value_enum, default_value_t = TransportName::DeltaEddington)]
+    #[arg(long, value_enum, default_value_t = TransportName::Slab)]
     transport: TransportName,
     /// Samples of each pixel, for `--transport path`; each carries one channel.
     #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
@@ -134,8 +134,9 @@ impl Render {
         };
         renderer.transport = match self.transport {
             TransportName::Single => Transport::Single,
-            TransportName::Slab => Transport::Slab,
-            TransportName::DeltaEddington | TransportName::Path => Transport::DeltaEddington,
+            TransportName::DeltaEddington => Transport::DeltaEddington,
+            // What is drawn beside a path traced picture has no clouds.
+            TransportName::Slab | TransportName::Path => Transport::Slab,
         };
         renderer.counting = self.stats;
         renderer.timing = self.stats.then(|| Timing::new(gpu));

@@ -1,7 +1,7 @@
 //! The pass that marches clouds: one draw a cloud, far ones first, over tiles that the
 //! cloud can touch.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use glam::Vec3;
 
@@ -9,6 +9,7 @@ use super::{
     CameraUniform, Quality, SceneDepth, Transport,
     frame::{CloudFrame, Frame},
     light::{CloudLight, LightBox},
+    optics::{CloudOptics, OpticsTextures},
     stats::Counters,
     tiles::Cover,
 };
@@ -114,11 +115,16 @@ pub(super) struct Draw {
 pub(super) struct CloudsPass {
     module: wgpu::ShaderModule,
     pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// Of the optics of clouds drawn lately.
+    optics: Vec<(Arc<CloudOptics>, OpticsTextures)>,
 }
+
+/// Most optics that are kept; a scene may have more, which then wait for nothing but time.
+const MOST_OPTICS: usize = 32;
 
 impl CloudsPass {
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new() }
+        Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new(), optics: Vec::new() }
     }
 
     /// Compiles what is missing and binds one cloud; nothing where it is out of the picture.
@@ -140,8 +146,21 @@ impl CloudsPass {
             .pipelines
             .entry((variant, format))
             .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
-        let group = bind(shared, cloud, light, &uniform, &cover, &pipeline.get_bind_group_layout(0));
+        let layout = pipeline.get_bind_group_layout(0);
+        let optics = self.textures(shared, &cloud.optics);
+        let group = bind(shared, cloud, light, optics, &uniform, &cover, &layout);
         Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
+    }
+
+    /// The tables of `optics` on the device, uploaded when first needed.
+    fn textures(&mut self, shared: &Shared<'_>, optics: &Arc<CloudOptics>) -> &OpticsTextures {
+        let place =
+            self.optics.iter().position(|(known, _)| Arc::ptr_eq(known, optics)).unwrap_or_else(|| {
+                self.optics.truncate(MOST_OPTICS - 1);
+                self.optics.insert(0, (optics.clone(), optics.upload(shared.device, shared.queue)));
+                0
+            });
+        &self.optics[place].1
     }
 
     /// Records one piece of a draw.
@@ -223,6 +242,7 @@ fn bind(
     shared: &Shared<'_>,
     cloud: &CloudFrame,
     light: &CloudLight,
+    optics: &OpticsTextures,
     uniform: &CloudUniform,
     cover: &Cover,
     layout: &wgpu::BindGroupLayout,
@@ -233,8 +253,6 @@ fn bind(
     let tiles = gpu::storage_buffer(device, "tiles", &cover.tiles);
     let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
     let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
-    let phase = cloud.optics.upload(device, shared.queue);
-    let remainder = cloud.optics.upload_remainder(device, shared.queue);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
     gpu::bind_group(
         device,
@@ -250,7 +268,7 @@ fn bind(
             texture(shared.noise_volume),
             Some(wgpu::BindingResource::Sampler(shared.repeat)),
             Some(wgpu::BindingResource::Sampler(shared.clamped)),
-            texture(&phase),
+            texture(&optics.phase),
             texture(&light.sun_volume),
             texture(&light.sun_depths),
             texture(&light.sun_normals),
@@ -262,7 +280,7 @@ fn bind(
             Some(shared.air.as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
             texture(shared.slab_table),
-            texture(&remainder),
+            texture(&optics.remainder),
         ],
     )
 }

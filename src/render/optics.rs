@@ -1,6 +1,8 @@
 //! The optics of a cloud's droplets as the shaders take them: a few numbers, and a
 //! table of the phase function split into its forward peak and the rest.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use half::f16;
 
 use crate::{
@@ -51,8 +53,25 @@ const DEGREE: usize = 64;
 /// in droplets of 6 um without their peak.
 const TABLE_MOMENTS: [f64; 3] = [0.733_771, 0.605_432, 0.383_264];
 
+/// Optics of clouds seen lately: making them takes some milliseconds, and a frame is made
+/// for each picture.
+static KNOWN: Mutex<Vec<(Droplets, Arc<CloudOptics>)>> = Mutex::new(Vec::new());
+const MOST_KNOWN: usize = 32;
+
 impl CloudOptics {
-    pub fn new(droplets: &Droplets) -> Result<Self> {
+    /// The optics of `droplets`, the same every time.
+    pub fn of(droplets: &Droplets) -> Result<Arc<Self>> {
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, optics)) = known.iter().find(|(other, _)| other == droplets) {
+            return Ok(optics.clone());
+        }
+        let optics = Arc::new(Self::new(droplets)?);
+        known.truncate(MOST_KNOWN - 1);
+        known.insert(0, (droplets.clone(), optics.clone()));
+        Ok(optics)
+    }
+
+    fn new(droplets: &Droplets) -> Result<Self> {
         let chopped = Chopped::new(Phase::of(droplets)?);
         let chop = droplets.albedo * chopped.f;
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - chop);
@@ -78,13 +97,18 @@ impl CloudOptics {
         })
     }
 
-    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-        upload(device, queue, "phase table", &self.table, ANGLES)
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> OpticsTextures {
+        OpticsTextures {
+            phase: upload(device, queue, "phase table", &self.table, ANGLES),
+            remainder: upload(device, queue, "slab remainder", &self.remainder, REMAINDER[0]),
+        }
     }
+}
 
-    pub fn upload_remainder(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-        upload(device, queue, "slab remainder", &self.remainder, REMAINDER[0])
-    }
+/// The tables of a cloud's optics on a device.
+pub(crate) struct OpticsTextures {
+    pub phase: wgpu::TextureView,
+    pub remainder: wgpu::TextureView,
 }
 
 /// The small-angle remainder of red, green and blue by rows of optical depth, whose places
@@ -96,8 +120,9 @@ fn remainder(media: &[Medium; 3]) -> Vec<[f16; 4]> {
     for row in 0..height {
         let coordinate = (row as f64 + 0.5) / height as f64;
         let path = 4.0 * coordinate / (1.0 - coordinate);
+        let terms = media.each_ref().map(|medium| moments::remainder_moments(medium, path));
         texels.extend(cosine.iter().map(|cosine| {
-            [0, 1, 2, 1].map(|channel| f16::from_f64(moments::remainder(&media[channel], path, *cosine)))
+            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(moments::series(&terms[channel], *cosine)))
         }));
     }
     texels

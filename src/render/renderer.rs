@@ -26,11 +26,11 @@ pub enum Transport {
     Single,
     /// The same, and sunlight scattered more often as in a slab fitted to the cloud,
     /// in the closed form of delta-Eddington.
-    #[default]
     DeltaEddington,
     /// The same from tables of slabs: each set of orders of scattering has the slab that fits
     /// the cloud over the spread of its light, and light that keeps its direction but for
     /// small angles is told apart.
+    #[default]
     Slab,
 }
 

@@ -89,14 +89,25 @@ fn small_angle(chi: f64, path: f64, set: usize) -> f64 {
 /// of small angles, 1/sr: at optical depth `path` along the sun's direction, towards the
 /// scattering angle of cosine `cosine`.
 pub fn remainder(medium: &Medium, path: f64, cosine: f64) -> f64 {
+    series(&remainder_moments(medium, path), cosine)
+}
+
+/// The terms of [`remainder`] by degree: to be summed by [`series`].
+pub fn remainder_moments(medium: &Medium, path: f64) -> Vec<f64> {
+    let term = |(l, chi): (usize, &f64)| {
+        let kept = (-path * (1.0 - chi)).exp() * -(-path * chi).exp_m1();
+        if l < REMAINDER_DEGREE { 0.0 } else { (2.0 * l as f64 + 1.0) / (4.0 * PI) * chi * kept }
+    };
+    medium.chi.iter().enumerate().map(term).collect()
+}
+
+/// Sum over l of terms[l] P_l(cosine).
+pub fn series(terms: &[f64], cosine: f64) -> f64 {
     let (mut before, mut value, mut sum) = (0.0, 1.0, 0.0);
-    for (l, chi) in medium.chi.iter().enumerate() {
-        let degree = l as f64;
-        if l >= REMAINDER_DEGREE {
-            let kept = (-path * (1.0 - chi)).exp() * -(-path * chi).exp_m1();
-            sum += (2.0 * degree + 1.0) / (4.0 * PI) * chi * kept * value;
-        }
-        (before, value) = (value, ((2.0 * degree + 1.0) * cosine * value - degree * before) / (degree + 1.0));
+    for (l, term) in terms.iter().enumerate() {
+        sum += term * value;
+        let l = l as f64;
+        (before, value) = (value, ((2.0 * l + 1.0) * cosine * value - l * before) / (l + 1.0));
     }
     sum
 }
