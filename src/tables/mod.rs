@@ -6,5 +6,6 @@ mod bytes;
 mod grid;
 mod mie;
 
+pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};

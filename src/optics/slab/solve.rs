@@ -67,6 +67,11 @@ impl Solver {
         Self { medium, rule: Quadrature::new(STREAMS) }
     }
 
+    /// The highest moment of its medium, with which radiance is exact.
+    pub fn degree(&self) -> usize {
+        self.medium.degree()
+    }
+
     /// The light of all sets in a slab, in Fourier modes 0 to `modes` of the azimuth. All
     /// moments up to degree `modes` are exact then; radiance needs those up to the medium's degree.
     pub fn solve(&self, beam: Beam, modes: usize) -> Field {
