@@ -74,6 +74,8 @@ enum TransportName {
     Single,
     /// Also multiple scattering, in closed form.
     DeltaEddington,
+    /// Multiple scattering from tables of slabs, set of orders by set.
+    Slab,
     /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
     Path,
 }
@@ -132,6 +134,7 @@ impl Render {
         };
         renderer.transport = match self.transport {
             TransportName::Single => Transport::Single,
+            TransportName::Slab => Transport::Slab,
             TransportName::DeltaEddington | TransportName::Path => Transport::DeltaEddington,
         };
         renderer.counting = self.stats;

@@ -26,7 +26,7 @@ pub struct CloudUniform {
     pub(super) albedo: f32,
     pub(super) base: f32,
     pub(super) top: f32,
-    pub(super) slab_length: f32,
+    pub(super) mean_free_path: f32,
     pub(super) aerial_range: f32,
     pub(super) first_step: f32,
     pub(super) growth: f32,
@@ -34,8 +34,10 @@ pub struct CloudUniform {
     pub(super) sun_reach: f32,
     pub(super) longest_step: f32,
     pub(super) sun_radius: f32,
-    pub(super) padding: [f32; 2],
+    pub(super) similarity: f32,
+    pub(super) padding: f32,
     pub(super) scene_depth: [f32; 4],
+    pub(super) degrees: [f32; 4],
     pub(super) sun: LightBox,
     pub(super) sky: LightBox,
 }
@@ -48,27 +50,29 @@ pub(super) struct Variant {
     pub atmosphere: bool,
     pub sky_light: bool,
     pub scene_depth: bool,
-    pub multiple: bool,
+    pub transport: Transport,
     pub peak: bool,
     pub normals: bool,
     pub absorbing: bool,
     pub sun_samples: u32,
+    pub light_nodes: u32,
     pub max_steps: u32,
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+    pub fn overrides(&self) -> [(&'static str, f64); 11] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
-            ("MULTIPLE", flag(self.multiple)),
+            ("TRANSPORT", f64::from(self.transport as u8)),
             ("PEAK", flag(self.peak)),
             ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
             ("SUN_SAMPLES", f64::from(self.sun_samples)),
+            ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
     }
@@ -96,6 +100,7 @@ pub(super) struct Shared<'a> {
     pub counting: bool,
     pub atmosphere: bool,
     pub lit_by_sky: bool,
+    pub slab_table: &'a wgpu::TextureView,
 }
 
 /// A cloud ready to be drawn.
@@ -163,26 +168,26 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         atmosphere: shared.atmosphere,
         sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),
-        multiple: lit && shared.transport == Transport::DeltaEddington,
+        transport: if lit { shared.transport } else { Transport::Single },
         peak: lit && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
         sun_samples: if lit { shared.quality.sun_samples } else { 0 },
+        light_nodes: shared.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: shared.quality.max_steps,
     }
 }
 
 /// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
 const SUN_REACH: f32 = 2.5;
-/// Length over which a slab is fitted, in transport mean free paths.
-const SLAB_LENGTH: f32 = 1.0;
+/// Room for light nodes in the shader.
+const MOST_NODES: u32 = 8;
 
 fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> CloudUniform {
     let frame = shared.frame;
     let optics = &cloud.optics;
     let ground = frame.scene.ground.altitude;
     let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
-    let transport_path = 1.0 / (densest * (1.0 - optics.chop) * (1.0 - optics.asymmetry));
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
         chop: optics.chop,
@@ -192,7 +197,7 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         albedo: optics.albedo,
         base: (cloud.origin.y - cloud.half.y - ground) as f32,
         top: (cloud.origin.y + cloud.half.y - ground) as f32,
-        slab_length: SLAB_LENGTH * transport_path,
+        mean_free_path: 1.0 / (densest * (1.0 - optics.chop)),
         aerial_range: shared.aerial_range,
         first_step: shared.quality.first_step,
         growth: shared.quality.growth,
@@ -205,7 +210,9 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
             // A point is drawn as a disc too: it must not read as none.
             ((0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32).max(1e-6)
         },
-        padding: [0.0; 2],
+        similarity: optics.similarity,
+        padding: 0.0,
+        degrees: optics.degrees,
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
         sun: light.sun_box,
         sky: light.sky_box,
@@ -227,6 +234,7 @@ fn bind(
     let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
     let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
     let phase = cloud.optics.upload(device, shared.queue);
+    let remainder = cloud.optics.upload_remainder(device, shared.queue);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
     gpu::bind_group(
         device,
@@ -253,6 +261,8 @@ fn bind(
             texture(shared.depth.map_or(shared.no_depth, |depth| depth.view)),
             Some(shared.air.as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
+            texture(shared.slab_table),
+            texture(&remainder),
         ],
     )
 }

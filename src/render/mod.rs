@@ -15,6 +15,7 @@ mod renderer;
 mod sky;
 mod sky_background;
 mod sky_settings;
+mod slab;
 mod stats;
 mod target;
 mod tiles;

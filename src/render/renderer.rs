@@ -9,6 +9,7 @@ use super::{
     noise,
     sky::Sky,
     sky_settings::SkySettings,
+    slab,
     stats::Counters,
     target::{Layers, SceneDepth, Target},
 };
@@ -27,12 +28,16 @@ pub enum Transport {
     /// in the closed form of delta-Eddington.
     #[default]
     DeltaEddington,
+    /// The same from tables of slabs: each set of orders of scattering has the slab that fits
+    /// the cloud over the spread of its light, and light that keeps its direction but for
+    /// small angles is told apart.
+    Slab,
 }
 
 impl Transport {
     /// Names and values.
-    pub const ALL: [(&'static str, Self); 2] =
-        [("single", Self::Single), ("delta-eddington", Self::DeltaEddington)];
+    pub const ALL: [(&'static str, Self); 3] =
+        [("single", Self::Single), ("delta-eddington", Self::DeltaEddington), ("slab", Self::Slab)];
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -55,6 +60,7 @@ pub struct Renderer {
     sky: Sky,
     light_pass: LightPass,
     clouds: CloudsPass,
+    slab_table: Option<wgpu::TextureView>,
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
     repeat: wgpu::Sampler,
@@ -85,6 +91,7 @@ impl Renderer {
             sky: Sky::new(device),
             light_pass: LightPass::new(device),
             clouds: CloudsPass::new(device),
+            slab_table: None,
             compose: None,
             counters: Counters::new(device),
             repeat: gpu::linear_repeat(device),
@@ -255,6 +262,9 @@ impl Renderer {
         self.prepare_sky(encoder, frame);
         self.prepare_noise(frame.scene.noise.seed);
         self.prepare_lights(encoder, frame);
+        if self.transport == Transport::Slab && self.slab_table.is_none() {
+            self.slab_table = slab::upload(&self.device, &self.queue);
+        }
     }
 
     fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
@@ -289,7 +299,7 @@ impl Renderer {
                 seed: *seed,
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
-                openness: self.sky.lights() || self.transport == Transport::DeltaEddington,
+                openness: self.sky.lights() || self.transport != Transport::Single,
                 timing: self.timing.as_ref(),
             };
             let kept = before.next().flatten();
@@ -335,6 +345,7 @@ impl Renderer {
             counting: self.counting,
             atmosphere: self.sky.has_atmosphere(),
             lit_by_sky: self.sky.lights(),
+            slab_table: self.slab_table.as_ref().unwrap_or(noise_volume),
         };
         let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
         let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();

@@ -5,7 +5,9 @@
 mod bytes;
 mod grid;
 mod mie;
+mod slab;
 
 pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
+pub use slab::slab_moments;

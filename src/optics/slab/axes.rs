@@ -14,7 +14,7 @@ pub const SUNS: usize = 16;
 pub const LOWEST_SUN: f64 = 0.017_452_406_437_283_512;
 
 /// Number of depths.
-pub const DEPTHS: usize = 24;
+pub const DEPTHS: usize = 32;
 
 /// Optical depth from a face over which light changes, about: tables are dense there.
 pub const FACE: f64 = 0.25;

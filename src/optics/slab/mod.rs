@@ -19,6 +19,7 @@ pub mod direct;
 pub mod functions;
 mod least_squares;
 pub mod medium;
+pub mod moments;
 mod partial;
 pub mod samples;
 pub mod solve;

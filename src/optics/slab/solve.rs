@@ -289,6 +289,18 @@ impl Field {
         self.beam
     }
 
+    /// What fills the slab.
+    pub fn medium(&self) -> &Medium {
+        &self.medium
+    }
+
+    /// The level at or before an optical depth, and the share of the way to the next.
+    pub fn place(&self, depth: f64) -> (usize, f64) {
+        let level = self.depths.partition_point(|level| *level <= depth).clamp(1, self.depths.len() - 1) - 1;
+        let [low, high] = [self.depths[level], self.depths[level + 1]];
+        (level, ((depth - low) / (high - low)).clamp(0.0, 1.0))
+    }
+
     /// Moment (l, m) of the radiance that set `set` is scattered from, at level `level`:
     /// int L_l^m I^m dmu, where I = sum_m (2 - delta_m0) I^m cos m phi.
     pub fn moment(&self, set: usize, level: usize, l: usize, m: usize) -> f64 {
