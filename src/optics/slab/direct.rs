@@ -27,7 +27,7 @@ pub const DECAY: [f64; SETS] = [1.0, 1.0, 1.0, 1.0, 0.9, 0.75, 0.0];
 pub const BIRTH: [f64; SETS] = [1.0, 1.0, 0.7, 0.3, 0.2, 0.2, 0.7];
 
 /// ln K of a set.
-fn ln_known(set: usize, thickness: f64, depth: f64) -> f64 {
+pub fn ln_known(set: usize, thickness: f64, depth: f64) -> f64 {
     let born = (thickness / (thickness + BIRTH[set])).ln();
     (FIRST_ORDERS[set] - 1) as f64 * born - DECAY[set] * depth
 }

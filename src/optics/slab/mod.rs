@@ -12,6 +12,7 @@
 
 pub mod angles;
 pub mod axes;
+pub mod check;
 pub mod collector;
 pub mod compare;
 pub mod depths;

@@ -3,15 +3,18 @@
 //! What is done is kept in a file beside the tables, from which a run that was
 //! interrupted goes on, and which goes when the tables are there.
 
+use std::io::Write;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::axes;
 use super::collector::Collector;
 use super::direct::Direct;
 use super::functions::Functions;
+use super::moments::{self, COEFFICIENTS};
 use super::partial::Partial;
 use super::samples::{self, NUMBERS, SLABS, sample};
 use super::walks::{self, Deflection, Walks};
@@ -34,8 +37,14 @@ pub const SEED: u64 = 1;
 /// Slabs in which random walks are made.
 const WALKS: usize = walks::THICKNESSES * walks::SUNS;
 
-/// Jobs of a study: walks first, which take longest one by one.
-const JOBS: usize = WALKS + SLABS;
+/// Slabs of the table of moments.
+const COLUMNS: usize = axes::THICKNESSES * axes::SUNS;
+
+/// Azimuthal modes that the table of moments needs.
+pub const MOMENT_MODES: usize = 2;
+
+/// Jobs of a study: walks, samples, moments.
+const JOBS: usize = WALKS + SLABS + COLUMNS;
 
 /// Jobs and fits, for the progress.
 const STEPS: usize = JOBS + SETS * samples::THICKNESSES;
@@ -48,6 +57,8 @@ pub struct Study {
     pub samples: Vec<Vec<f32>>,
     /// Random walks in their slabs.
     pub walks: Vec<Walks>,
+    /// Columns of the table of moments.
+    pub columns: Vec<Vec<[f64; COEFFICIENTS]>>,
 }
 
 /// The droplets of all tables of slabs.
@@ -77,10 +88,13 @@ pub fn write_tables(folder: &Path, seed: u64, progress: impl Fn(f64) + Sync) -> 
     let step = || progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / STEPS as f64);
     let partial = Partial::open(&folder.join("slab.partial"), seed)?;
     let study = Study::run(&partial, seed, step)?;
-    for (name, grids) in
-        [("slab_radiance.bin", study.radiance()), ("slab_functions.bin", study.functions(step))]
-    {
-        write_whole(&folder.join(name), |file| std::io::Write::write_all(file, &grids.encode()))?;
+    let tables = [
+        ("slab_moments.bin", study.moments()),
+        ("slab_radiance.bin", study.radiance()),
+        ("slab_functions.bin", study.functions(step)),
+    ];
+    for (name, grids) in tables {
+        write_whole(&folder.join(name), |file| file.write_all(&grids.encode()))?;
     }
     partial.remove()
 }
@@ -96,12 +110,15 @@ impl Study {
             .into_par_iter()
             .map(|job| {
                 let record = partial.record(job).unwrap_or_else(|| {
-                    let record = match job.checked_sub(WALKS) {
-                        None => Walks::for_tables(&deflection, job, seed).encode(),
-                        Some(slab) => encode(&sample(&solver.solve(samples::beam(slab), DEGREE))),
+                    let record = if job < WALKS {
+                        Walks::for_tables(&deflection, job, seed).encode()
+                    } else if let Some(column) = job.checked_sub(WALKS + SLABS) {
+                        encode_column(&moments::column(&solver.solve(moments::beam(column), MOMENT_MODES)))
+                    } else {
+                        encode(&sample(&solver.solve(samples::beam(job - WALKS), DEGREE)))
                     };
                     if let Err(error) = partial.keep(job, &record) {
-                        broken.lock().unwrap_or_else(|lock| lock.into_inner()).get_or_insert(error);
+                        broken.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
                     }
                     record
                 });
@@ -109,15 +126,22 @@ impl Study {
                 record
             })
             .collect();
-        if let Some(error) = broken.into_inner().unwrap_or_else(|lock| lock.into_inner()) {
+        if let Some(error) = broken.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(error);
         }
         let (walked, solved) = records.split_at(WALKS);
+        let (solved, columns) = solved.split_at(SLABS);
         Ok(Self {
             medium: Medium::chopped(&droplets, DEGREE),
             samples: solved.iter().map(|record| decode(record)).collect(),
             walks: walked.iter().filter_map(|record| Walks::decode(record)).collect(),
+            columns: columns.iter().map(|record| decode_column(record)).collect(),
         })
+    }
+
+    /// The source moments.
+    pub fn moments(&self) -> Grids {
+        Grids(vec![moments::table(&self.columns)])
     }
 
     /// The direct table.
@@ -141,4 +165,13 @@ fn encode(numbers: &[f32]) -> Vec<u8> {
 
 fn decode(bytes: &[u8]) -> Vec<f32> {
     bytes.as_chunks().0.iter().map(|number| f32::from_le_bytes(*number)).collect()
+}
+
+fn encode_column(column: &[[f64; COEFFICIENTS]]) -> Vec<u8> {
+    column.iter().flatten().flat_map(|number| number.to_le_bytes()).collect()
+}
+
+fn decode_column(bytes: &[u8]) -> Vec<[f64; COEFFICIENTS]> {
+    let numbers: Vec<f64> = bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect();
+    numbers.as_chunks().0.to_vec()
 }

@@ -108,6 +108,11 @@ impl Entries {
     }
 }
 
+/// The slab of walks for tables, number `job`: suns vary fastest.
+pub fn beam(job: usize) -> Beam {
+    Beam { thickness: thickness_at(point(job / SUNS, THICKNESSES)), mu0: sun_at(point(job % SUNS, SUNS)) }
+}
+
 /// What random walks in one slab told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walks {
@@ -138,13 +143,9 @@ impl Walks {
         Self { beam, entries }
     }
 
-    /// The walks for tables, number `job`: suns vary fastest.
+    /// The walks for tables, number `job`.
     pub fn for_tables(deflection: &Deflection, job: usize, seed: u64) -> Self {
-        let beam = Beam {
-            thickness: thickness_at(point(job / SUNS, THICKNESSES)),
-            mu0: sun_at(point(job % SUNS, SUNS)),
-        };
-        Self::new(deflection, beam, PHOTONS, seed, job as u64)
+        Self::new(deflection, beam(job), PHOTONS, seed, job as u64)
     }
 
     /// Its numbers, as bytes of a file.
