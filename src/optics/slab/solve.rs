@@ -184,8 +184,8 @@ impl<'a> Mode<'a> {
         let mut up = down.clone();
         for j in 0..n {
             let (mut even, mut odd) = (0.0, 0.0);
-            for l in 0..self.degrees() {
-                let part = strength[l] * self.functions[l][j];
+            for (l, (strength, function)) in strength.iter().zip(&self.functions).enumerate() {
+                let part = strength * function[j];
                 if l % 2 == 0 { even += part } else { odd += part }
             }
             for (k, depth) in depths.iter().enumerate() {
