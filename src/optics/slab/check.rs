@@ -132,7 +132,7 @@ fn compare_numbers(
 
 fn check_functions(table: &Functions, solver: &Solver, samples: usize, seed: u64) -> Result<f64> {
     let probes = compare::probes(solver, samples, 100, seed);
-    let errors = compare::errors(&probes, |set, view| table.radiance(set, view));
+    let errors = compare::errors(&probes, |set, i| table.radiance(set, probes[i].view));
     let rms = errors[SETS].rms;
     within(rms, FUNCTIONS_RMS, "is wrong by more than its fit: relative error of C")
 }

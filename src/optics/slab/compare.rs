@@ -63,21 +63,22 @@ pub fn probes(solver: &Solver, slabs: usize, views: usize, seed: u64) -> Vec<Pro
 
 /// Errors of a representation for each set, and of the sum of the sets. Views count that
 /// have 2 % of the slab's brightest or more, and a set where it is 2 % of the view's light.
-pub fn errors(probes: &[Probe], model: impl Fn(usize, View) -> f64) -> [Errors; SETS + 1] {
+/// The model takes the set and the index of a probe.
+pub fn errors(probes: &[Probe], model: impl Fn(usize, usize) -> f64) -> [Errors; SETS + 1] {
     let mut squares = [0.0; SETS + 1];
     let mut all = [Errors { rms: 0.0, worst: 0.0, count: 0 }; SETS + 1];
-    for probe in probes {
+    for (i, probe) in probes.iter().enumerate() {
         let whole: f64 = probe.truth.iter().sum();
         if whole < LEAST * probe.brightest {
             continue;
         }
-        let found: [f64; SETS] = std::array::from_fn(|set| model(set, probe.view));
+        let found: [f64; SETS] = std::array::from_fn(|set| model(set, i));
         let sets = (0..SETS).filter(|set| probe.truth[*set] >= LEAST * whole);
         let of_sets = sets.map(|set| (set, found[set] / probe.truth[set] - 1.0));
-        for (i, error) in of_sets.chain([(SETS, found.iter().sum::<f64>() / whole - 1.0)]) {
-            squares[i] += error * error;
-            all[i].worst = all[i].worst.max(error.abs());
-            all[i].count += 1;
+        for (set, error) in of_sets.chain([(SETS, found.iter().sum::<f64>() / whole - 1.0)]) {
+            squares[set] += error * error;
+            all[set].worst = all[set].worst.max(error.abs());
+            all[set].count += 1;
         }
     }
     for (errors, square) in all.iter_mut().zip(squares) {
