@@ -116,8 +116,8 @@ fn whole_errors(probes: &[Probe], found: &[[f64; SETS + 1]]) -> (f64, f64) {
 fn report_collector() -> Outcome {
     let deflection = Deflection::chopped(&droplets()?);
     let jobs = walks::THICKNESSES * walks::SUNS;
-    let walks: Vec<Walks> =
-        (0..jobs).map(|job| Walks::new(&deflection, walks::beam(job), 20_000, 9, job as u64)).collect();
+    // Another seed than that of the tables.
+    let walks: Vec<Walks> = (0..jobs).map(|job| Walks::for_tables(&deflection, job, 9)).collect();
     let places = collector::places(&walks);
     let measured = spread::measure(&walks);
     let (_, table) = slab_functions()?;
@@ -161,6 +161,21 @@ fn report_fluxes(solver: &Solver, path: &Path) -> Outcome {
         }
         println!("sun at {sun_deg} degrees: reflectance overtakes transmittance at {high:.0} m");
     }
+    // Multiply scattered light along the normal, the sun as good as in the zenith.
+    let along_normal = |metres: f64| {
+        let field = solver.solve(Beam { thickness: per_metre * metres, mu0: 0.99999 }, DEGREE);
+        let light = |mu: f64, level: usize| -> f64 {
+            (0..SETS).map(|set| field.radiance(set, mu, &[0.0])[0][level]).sum()
+        };
+        [light(-1.0, 0), light(1.0, field.depths().len() - 1)]
+    };
+    let (mut low, mut high) = (1.0_f64, 5000.0);
+    while high / low > 1.01 {
+        let middle = (low * high).sqrt();
+        let [r, t] = along_normal(middle);
+        if r < t { low = middle } else { high = middle }
+    }
+    println!("sun in the zenith: the lit face is as bright as the other along the normal at {high:.0} m");
     for metres in [225.0, 500.0, 900.0] {
         let [r, t] = at(metres, 1.0);
         println!("{metres} m, sun in the zenith: R {r:.3}, T {t:.3}");
@@ -204,7 +219,7 @@ fn report_fluxes(solver: &Solver, path: &Path) -> Outcome {
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::MiddleLeft)
+        .position(SeriesLabelPosition::MiddleRight)
         .background_style(WHITE.mix(0.9))
         .label_font(("sans-serif", 13))
         .draw()?;
@@ -271,13 +286,15 @@ fn draw_thickness(
     let thicknesses: Vec<f64> = (0..48).map(|i| axes::thickness_at(f64::from(i) / 47.0)).collect();
     let fields: Vec<Field> =
         thicknesses.iter().map(|t| solver.solve(Beam { thickness: *t, mu0 }, DEGREE)).collect();
-    let root = SVGBackend::new(path, (1080, 600)).into_drawing_area();
+    let root = SVGBackend::new(path, (1080, 620)).into_drawing_area();
     root.fill(&WHITE)?;
     let title = format!(
-        "{side} light of each set of orders, sun at cosine {mu0}; solid: view at cosine {}, dashed: {}",
+        "{side} light by set of orders against optical thickness, sun at cosine {mu0}, views at {} (solid), {} (dashed)",
         views[0].0, views[1].0
     );
-    let area = root.titled(&title, ("sans-serif", 18))?;
+    let (head, area) = root.split_vertically(46);
+    let style = TextStyle::from(("sans-serif", 17)).color(&EXACT);
+    head.draw_text(&title, &style, (20, 16))?;
     for (set, panel) in area.split_evenly((2, 4)).iter().enumerate() {
         let mut chart = ChartBuilder::on(panel)
             .caption(format!("orders {}", SET_NAMES[set]), ("sans-serif", 14))
@@ -289,7 +306,6 @@ fn draw_thickness(
             .configure_mesh()
             .light_line_style(WHITE)
             .bold_line_style(RGBColor(232, 232, 232))
-            .x_desc("optical thickness")
             .y_label_formatter(&|y| format!("{y:.0e}"))
             .label_style(("sans-serif", 11))
             .draw()?;
