@@ -1,5 +1,6 @@
 //! The report on the models of slabs: `cargo run --release --example slab_report` prints the
 //! numbers of `tables/README.md` and draws its plots into `tables/plots`.
+#![allow(clippy::print_stdout, reason = "a report is for reading")]
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -297,7 +298,10 @@ fn draw_thickness(
     head.draw_text(&title, &style, (20, 16))?;
     for (set, panel) in area.split_evenly((2, 4)).iter().enumerate() {
         let mut chart = ChartBuilder::on(panel)
-            .caption(format!("orders {}", SET_NAMES[set]), ("sans-serif", 14))
+            .caption(
+                if set < SETS { format!("orders {}", SET_NAMES[set]) } else { "all orders".into() },
+                ("sans-serif", 14),
+            )
             .margin(8)
             .x_label_area_size(30)
             .y_label_area_size(44)

@@ -6,7 +6,7 @@ mod common;
 use common::{evaluate, evaluate_bound, gpu};
 use nephos::gpu::linear_clamp;
 use nephos::optics::slab::samples::{View, view_coordinate};
-use nephos::optics::slab::{SETS, axes, direct};
+use nephos::optics::slab::{SETS, axes, direct, spread};
 use nephos::render::slab_textures::{DirectTextures, FunctionTextures};
 use nephos::tables::{slab_functions, slab_radiance};
 use wgpu::BindingResource::{Sampler, TextureView};
@@ -181,5 +181,32 @@ fn slab_view_takes_its_numbers_from_directions() {
         }
         let side = normal.cross(*sun).dot(*eye);
         assert!(got[3] * side > 0.0, "positive azimuths are on the side of normal x sun: {} {side}", got[3]);
+    }
+}
+
+#[test]
+fn coordinates_and_spreads_are_those_of_the_tables() {
+    let views = views();
+    // slab_thickness_coordinate, slab_depth_coordinate, slab_sun_coordinate, slab_spread.
+    let got = evaluate(
+        "slab slab_view",
+        &format!(
+            "{VIEW} return vec4f(slab_thickness_coordinate(v.thickness), slab_depth_coordinate(v.depth, v.thickness),
+             slab_sun_coordinate(v.mu0), slab_spread(orders, v.thickness, v.depth));"
+        ),
+        &inputs(&views),
+    );
+    for i in 0..4 {
+        let pairs = views.iter().zip(&got).map(|((view, set), got)| {
+            let wanted = [
+                axes::thickness_coordinate(view.thickness),
+                axes::depth_coordinate(view.depth, view.thickness),
+                axes::sun_coordinate(view.mu0),
+                spread::spread(*set, view.thickness, view.depth),
+            ];
+            (f64::from(got[i]), wanted[i], *view)
+        });
+        // Logarithms have 1.4e-5; the depth's is a difference of two over a small one.
+        compare("coordinates", pairs, 1e-3, 2e-4);
     }
 }

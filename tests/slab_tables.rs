@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use half::f16;
+use nephos::optics::slab::SETS;
 use nephos::optics::slab::check::{Tables, run};
-use nephos::tables::Grids;
+use nephos::optics::slab::samples::View;
+use nephos::tables::{Grids, slab_functions, slab_radiance};
 
 const FILES: [(&str, &[u8]); 3] = [
     ("slab_moments.bin", include_bytes!("../tables/slab_moments.bin")),
@@ -58,4 +60,23 @@ fn the_check_passes_the_tables_and_no_others() {
     functions.view.values.iter_mut().for_each(|value| *value = f16::from_f32(value.to_f32() + 2.0));
     let error = run(Tables { functions: &functions, ..good }, 1, 3).unwrap_err().to_string();
     assert!(error.contains("slab_functions.bin"), "{error}");
+}
+
+#[test]
+fn nothing_jumps_where_the_sun_goes_through_the_plane_of_the_slab() {
+    for (depth, mu, phi) in [(0.0, -0.4, 0.3), (0.2, 0.7, 2.0), (4.0, 0.05, 1.0), (5.0, 0.9, 0.0)] {
+        for set in 0..SETS {
+            let [above, below] = [1e-4, -1e-4].map(|mu0| View { thickness: 5.0, depth, mu, phi, mu0 });
+            // Light is in proportion to the cosine of a low sun, with at most a few times 1/sr.
+            for model in
+                [slab_radiance().unwrap().radiance(set, above), slab_radiance().unwrap().radiance(set, below)]
+            {
+                assert!(model.abs() < 1e-3, "direct table, set {set}: {model}");
+            }
+            let functions = &slab_functions().unwrap().0;
+            for model in [functions.radiance(set, above), functions.radiance(set, below)] {
+                assert!(model.abs() < 1e-3, "functions, set {set}: {model}");
+            }
+        }
+    }
 }

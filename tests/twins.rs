@@ -622,7 +622,7 @@ fn every_shader_function_has_a_twin() {
             let name = line.split('(').next().unwrap_or_default();
             let elsewhere = ELSEWHERE.iter().any(|(known, _)| *known == name)
                 || (["air", "atmosphere"].contains(module) && sky.contains(name))
-                || (module.starts_with("slab_") && slab.contains(name));
+                || (module.starts_with("slab") && slab.contains(name));
             assert!(twins.contains(&name) || elsewhere, "`{name}` of shaders/lib/{module}.wgsl has no twin");
         }
     }

@@ -2,8 +2,7 @@
 //!
 //! C = (1 - e^-path) P* A1* A2* cos theta_L ln^2(d + D*) / ln^2(B* + D*) e^(-(d - B*)^2 / 2 C*^2),
 //! with B* = B1* - B2*. The first factor is ours, path being the optical path to the face behind
-//! the point: without it the functions cannot vanish where light leaves no room to scatter,
-//! and their error is four times as large. For each set and thickness P* depends on Theta, A1*, B1*, C* and D* on
+//! the point: without it the functions cannot vanish where light had no room to scatter. For each set and thickness P* depends on Theta, A1*, B1*, C* and D* on
 //! theta_V, A2* and B2* on theta_L. What is kept is even between thicknesses: ln P*, ln A1*,
 //! ln A2*, B1* / t, B2* / t, ln(C* / t) and ln(D* - 1). D* is above 1, which keeps the
 //! logarithms from changing sign. P* is 1 for the last set, as Kol has it.
