@@ -16,6 +16,7 @@ mod sky;
 mod sky_background;
 mod sky_settings;
 mod slab;
+pub mod slab_textures;
 mod stats;
 mod target;
 mod tiles;

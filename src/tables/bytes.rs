@@ -22,7 +22,7 @@ pub(super) fn whole<'a>(bytes: &'a [u8], magic: &[u8; 8]) -> Result<&'a [u8], St
 }
 
 /// FNV-1a, 64 bit: Fowler, Noll and Vo, offset basis and prime as in RFC 9923.
-fn checksum(bytes: &[u8]) -> u64 {
+pub(crate) fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
     })

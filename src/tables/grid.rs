@@ -105,7 +105,12 @@ impl Grids {
     /// # Errors
     /// [`Error::Table`] with what is wrong.
     pub fn decode(file: &'static str, bytes: &[u8]) -> Result<Self> {
-        read(bytes).map_err(|problem| Error::Table { name: file, problem })
+        Self::read(bytes).map_err(|problem| Error::Table { name: file, problem })
+    }
+
+    /// The same; the error is what is wrong, without the name.
+    pub(super) fn read(bytes: &[u8]) -> std::result::Result<Self, String> {
+        read(bytes)
     }
 
     /// The bytes of a file.

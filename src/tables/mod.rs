@@ -7,6 +7,7 @@ mod grid;
 mod mie;
 mod slab;
 
+pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
-pub use slab::slab_moments;
+pub use slab::{slab_functions, slab_moments, slab_radiance};

@@ -11,7 +11,7 @@ pub const THICKNESSES: usize = 24;
 pub const SUNS: usize = 16;
 
 /// Lowest sun of the tables, as the cosine to the normal: 1 degree above the slab.
-pub const LOWEST_SUN: f64 = 0.017_452_406_437_283_512;
+pub const LOWEST_SUN: f64 = 0.017_452_406_437_283_51;
 
 /// Number of depths.
 pub const DEPTHS: usize = 32;

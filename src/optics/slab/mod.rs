@@ -12,12 +12,20 @@
 
 pub mod angles;
 pub mod axes;
+pub mod check;
+pub mod collector;
+pub mod compare;
 pub mod depths;
+pub mod direct;
+pub mod functions;
 mod least_squares;
 pub mod medium;
 pub mod moments;
+mod partial;
+pub mod samples;
 pub mod solve;
 pub mod spread;
+pub mod study;
 pub mod walks;
 
 pub use medium::Medium;

@@ -67,6 +67,11 @@ impl Solver {
         Self { medium, rule: Quadrature::new(STREAMS) }
     }
 
+    /// The highest moment of its medium, with which radiance is exact.
+    pub fn degree(&self) -> usize {
+        self.medium.degree()
+    }
+
     /// The light of all sets in a slab, in Fourier modes 0 to `modes` of the azimuth. All
     /// moments up to degree `modes` are exact then; radiance needs those up to the medium's degree.
     pub fn solve(&self, beam: Beam, modes: usize) -> Field {
@@ -179,8 +184,8 @@ impl<'a> Mode<'a> {
         let mut up = down.clone();
         for j in 0..n {
             let (mut even, mut odd) = (0.0, 0.0);
-            for l in 0..self.degrees() {
-                let part = strength[l] * self.functions[l][j];
+            for (l, (strength, function)) in strength.iter().zip(&self.functions).enumerate() {
+                let part = strength * function[j];
                 if l % 2 == 0 { even += part } else { odd += part }
             }
             for (k, depth) in depths.iter().enumerate() {

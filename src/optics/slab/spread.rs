@@ -13,7 +13,7 @@ const LEAST_SHARE: f64 = 5e-4;
 
 /// The spread in slabs of droplets without their forward peak, of effective radius 6 um:
 /// what [`Spread::fitted`] gives for the walks of `nephos tables slab`. Relative error, rms over
-/// planes: 11 to 25 % for orders below 16, 7 % from there on.
+/// planes: 12 to 24 % for orders below 16, 7 % from there on.
 pub const SPREAD: Spread = Spread {
     low: [
         [0.5691, 0.005954, 73.60],

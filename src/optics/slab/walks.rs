@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
 
-use super::axes::{depth_at, point};
+use super::axes::{depth_at, point, sun_at, thickness_at};
 use super::{Beam, SETS, set_of};
 use crate::optics::peak::Chopped;
 
@@ -19,6 +19,15 @@ pub const COSINES: usize = 12;
 /// Classes of the azimuth of a photon's direction from the sun's, even from 0 to pi: the
 /// slab is the same left and right.
 pub const AZIMUTHS: usize = 8;
+
+/// Thicknesses of the slabs that walks for tables go through, even in the logarithm.
+pub const THICKNESSES: usize = 14;
+
+/// Suns on these, as dense as those of tables.
+pub const SUNS: usize = 8;
+
+/// Photons in each of these slabs.
+pub const PHOTONS: usize = 100_000;
 
 /// Photons that share a stream of random numbers: the result doesn't depend on threads.
 const STREAM: usize = 4096;
@@ -99,6 +108,11 @@ impl Entries {
     }
 }
 
+/// The slab of walks for tables, number `job`: suns vary fastest.
+pub fn beam(job: usize) -> Beam {
+    Beam { thickness: thickness_at(point(job / SUNS, THICKNESSES)), mu0: sun_at(point(job % SUNS, SUNS)) }
+}
+
 /// What random walks in one slab told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walks {
@@ -127,6 +141,38 @@ impl Walks {
             entries.iter_mut().zip(stream).for_each(|(sum, part)| sum.add(part));
         }
         Self { beam, entries }
+    }
+
+    /// The walks for tables, number `job`.
+    pub fn for_tables(deflection: &Deflection, job: usize, seed: u64) -> Self {
+        Self::new(deflection, beam(job), PHOTONS, seed, job as u64)
+    }
+
+    /// Its numbers, as bytes of a file.
+    pub fn encode(&self) -> Vec<u8> {
+        let beam = [self.beam.thickness, self.beam.mu0];
+        let entries =
+            self.entries.iter().flat_map(|e| [e.count, e.sum[0], e.sum[1], e.square[0], e.square[1]]);
+        beam.into_iter().chain(entries).flat_map(f64::to_le_bytes).collect()
+    }
+
+    /// The inverse of [`Walks::encode`]; `None` where the length is wrong.
+    pub fn decode(bytes: &[u8]) -> Option<Self> {
+        let (numbers, rest) = bytes.as_chunks();
+        let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        let ([thickness, mu0], entries) = numbers.split_first_chunk()?;
+        let (entries, left) = entries.as_chunks();
+        let entries: Vec<Entries> = entries
+            .iter()
+            .map(|[count, a, b, c, d]| Entries { count: *count, sum: [*a, *b], square: [*c, *d] })
+            .collect();
+        let whole = rest.is_empty() && left.is_empty() && entries.len() == none().len();
+        whole.then_some(Self { beam: Beam { thickness: *thickness, mu0: *mu0 }, entries })
+    }
+
+    /// Photons counted at all planes together.
+    pub fn photons_counted(&self) -> f64 {
+        self.entries.iter().map(|entries| entries.count).sum()
     }
 
     /// Photons of a set that passed a plane in a class of directions.
@@ -194,7 +240,7 @@ impl Walk<'_> {
             self.planes.iter().enumerate().skip(first).take_while(|(_, depth)| **depth <= high)
         {
             let part = (depth - from[2]) / direction[2];
-            let toward_sun = -(from[0] + part * direction[0]);
+            let toward_sun = from[0] + part * direction[0];
             let aside = -(from[1] + part * direction[1]) * side;
             self.entries[place(set, plane, cosine, azimuth)].add(&Entries {
                 count: 1.0,
