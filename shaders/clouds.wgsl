@@ -3,7 +3,7 @@
 // its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
 // an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
 // homogeneous and integrated in closed form, the rest is sampled.
-// @use camera density noise light_box phase eddington slab random atmosphere
+// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere
 
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -65,6 +65,8 @@ override PEAK: bool = true;
 override NORMALS: bool = false;
 override ABSORBING: bool = false;
 override SUN_SAMPLES: u32 = 3u;
+// Whether Kol's and Bouthors' slabs take their light from the direct table.
+override DIRECT_TABLE: bool = false;
 // Points of a ray at which diffuse light is found, at most 8.
 override LIGHT_NODES: u32 = 6u;
 override MAX_STEPS: u32 = 512u;
@@ -72,6 +74,8 @@ override MAX_STEPS: u32 = 512u;
 const SINGLE: u32 = 0u;
 const DELTA_EDDINGTON: u32 = 1u;
 const SLAB: u32 = 2u;
+const SLAB_KOL: u32 = 3u;
+const SLAB_BOUTHORS: u32 = 4u;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> cloud: Cloud;
@@ -92,8 +96,14 @@ const SLAB: u32 = 2u;
 @group(0) @binding(16) var aerial: texture_3d<f32>;
 @group(0) @binding(17) var scene_depth: texture_depth_2d;
 @group(0) @binding(18) var<uniform> air: Atmosphere;
-@group(0) @binding(20) var slab_table: texture_3d<f32>;
-@group(0) @binding(21) var slab_remainder: texture_2d<f32>;
+// Tables of slabs, by what the transport needs: the source moments and their remainder, or
+// the direct table and its phase functions, or Bouthors' functions.
+@group(0) @binding(20) var slab_volume: texture_3d<f32>;
+@group(0) @binding(21) var slab_angles: texture_2d<f32>;
+@group(0) @binding(22) var slab_views: texture_2d<f32>;
+@group(0) @binding(23) var slab_suns: texture_2d<f32>;
+@group(0) @binding(24) var slab_entries: texture_2d<f32>;
+@group(0) @binding(25) var slab_offsets: texture_2d<f32>;
 @group(0) @binding(19) var<storage, read_write> counters: array<atomic<u32>, 12>;
 
 // What `--stats` counts, in pairs of low and high words.
@@ -241,24 +251,12 @@ fn facing_at(v: Varyings, p: vec3f) -> vec3f {
     return sum / weights;
 }
 
-// What a slab that fits the cloud is like, but for its depths.
-struct Fit {
-    // Unit normal, outward, and its cosine to the sun.
-    normal: vec3f,
-    mu0: f32,
-    // Optical thickness along the light.
-    thickness: f32,
-}
-
-// The slab that fits the sun maps averaged over `length` metres around `uv`. `facing` is where
-// the lump at hand faces: only its sides turn the slab, its far side is lit through it.
-fn fitted_slab(uv: vec2f, length: f32, facing: vec3f, depth: f32) -> Fit {
+// Our slab around `uv`, over `length` metres; it holds the point at hand.
+fn fitted_slab(uv: vec2f, length: f32, facing: vec3f, depth: f32) -> SlabFit {
     count(MAP_READS, 2u);
-    let level = log2(max(length / cloud.sun.texel, 1.0));
-    let map = textureSampleLevel(sun_depths, clamped, uv, level);
-    let lit = textureSampleLevel(sun_normals, clamped, uv, level).xyz / max(map.w, 1e-3);
-    let normal = normalize(lit + facing + 1e-3 * cloud.to_sun);
-    return Fit(normal, clamp(dot(normal, cloud.to_sun), 0.2, 1.0), max(map.z / max(map.w, 1e-3), depth));
+    var fit = slab_fit(cloud.sun, sun_depths, sun_normals, clamped, uv, length, facing);
+    fit.thickness = max(fit.thickness, depth);
+    return fit;
 }
 
 // Source of sunlight scattered more than once, per unit of irradiance, less what leaves by
@@ -286,7 +284,7 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     if TRANSPORT == SLAB {
         count(MAP_READS, 1u);
         let at = vec2f(phase_coordinate(-cloud.to_sun, -direction), slab_path_coordinate(depth + shadow));
-        light += textureSampleLevel(slab_remainder, clamped, at, 0.0).rgb;
+        light += textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
     }
     if ABSORBING {
         light *= absorbed(cloud.albedo, g, depth);
@@ -296,11 +294,35 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
 
 // What the sides leave of light that has wandered as deep as `depth`. Of the six ways out of
 // a cloud those along the slab's normal are its faces.
-fn kept_by_sides(fit: Fit, depth: f32, open: vec3f) -> f32 {
+fn kept_by_sides(fit: SlabFit, depth: f32, open: vec3f) -> f32 {
     let faces = diffuse_conductance(cloud.asymmetry, fit.mu0 * depth)
         + diffuse_conductance(cloud.asymmetry, fit.mu0 * (fit.thickness - depth));
     let upright = fit.normal.y * fit.normal.y;
     return side_loss(faces, (open.x + open.z) * (1.0 - upright) + 0.5 * open.y * (1.0 + upright));
+}
+
+// Kol's and Bouthors' light: that of slabs at one point of the ray, for all that is behind.
+// Their slabs have no sides to lose light by.
+fn slab_radiance(p: vec3f, direction: vec3f) -> f32 {
+    var radiance = 0.0;
+    let uv = light_box_coordinate(cloud.sun, p).xy;
+    var fit = slab_fit_kol(cloud.sun, sun_depths, sun_normals, clamped, uv);
+    count(MAP_READS, select(0u, fit.reads, TRANSPORT == SLAB_KOL));
+    for (var orders = 0u; orders < SLAB_SETS; orders++) {
+        if TRANSPORT == SLAB_BOUTHORS {
+            fit = slab_fit_bouthors(cloud.sun, sun_depths, sun_normals, slab_entries, slab_offsets, clamped, orders, p,
+                -direction, cloud.mean_free_path);
+            count(MAP_READS, fit.reads);
+        }
+        let view = slab_fit_view(fit, p, -direction, cloud.to_sun, cloud.mean_free_path / cloud.similarity);
+        count(MAP_READS, 3u);
+        if DIRECT_TABLE {
+            radiance += slab_direct(slab_volume, slab_angles, clamped, orders, view);
+        } else {
+            radiance += slab_functions(slab_angles, slab_views, slab_suns, clamped, orders, view);
+        }
+    }
+    return radiance;
 }
 
 // The sets of orders of scattering, each from the slab that fits the cloud over its spread.
@@ -315,7 +337,7 @@ fn slab_sets(uv: vec2f, direction: vec3f, facing: vec3f, depth: f32, open: vec3f
         let x = dot(direction, cloud.to_sun) - mu * fit.mu0;
         let scale = cloud.similarity * fit.mu0;
         count(MAP_READS, 2u);
-        let light = slab_source(slab_table, clamped, orders, scale * fit.thickness, scale * depth,
+        let light = slab_source(slab_volume, clamped, orders, scale * fit.thickness, scale * depth,
             fit.mu0, mu, x, cloud.degrees);
         // The light has wandered deeper than where it is now.
         let wandered = min(depth + 0.5 * spread, max(depth, 0.5 * fit.thickness));
@@ -397,11 +419,17 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.
 fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
+    var first = true;
     for (var i = 0u; i < LIGHT_NODES; i++) {
         let node = nodes[i];
         if node.seen > 0.0 {
             let p = ray.origin + node.t * ray.direction;
-            if TRANSPORT != SINGLE {
+            if TRANSPORT >= SLAB_KOL {
+                if first {
+                    (*m).multiple += (*m).gathered * exp(-node.depth.y) * slab_radiance(p, ray.direction);
+                }
+                first = false;
+            } else if TRANSPORT != SINGLE {
                 let own = max(node.depth.x - node.depth.y, 0.0);
                 (*m).multiple += node.seen * multiple_source(v, p, ray.direction, own, node.depth.y);
             }

@@ -10,6 +10,7 @@ use super::{
     frame::{CloudFrame, Frame},
     light::{CloudLight, LightBox},
     optics::{CloudOptics, OpticsTextures},
+    slab_textures::SlabTextures,
     stats::Counters,
     tiles::Cover,
 };
@@ -52,6 +53,7 @@ pub(super) struct Variant {
     pub sky_light: bool,
     pub scene_depth: bool,
     pub transport: Transport,
+    pub direct_table: bool,
     pub peak: bool,
     pub normals: bool,
     pub absorbing: bool,
@@ -61,7 +63,7 @@ pub(super) struct Variant {
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 11] {
+    pub fn overrides(&self) -> [(&'static str, f64); 12] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -69,6 +71,7 @@ impl Variant {
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("TRANSPORT", f64::from(self.transport as u8)),
+            ("DIRECT_TABLE", flag(self.direct_table)),
             ("PEAK", flag(self.peak)),
             ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
@@ -101,7 +104,7 @@ pub(super) struct Shared<'a> {
     pub counting: bool,
     pub atmosphere: bool,
     pub lit_by_sky: bool,
-    pub slab_table: &'a wgpu::TextureView,
+    pub slab: &'a SlabTextures,
 }
 
 /// A cloud ready to be drawn.
@@ -188,6 +191,7 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),
         transport: if lit { shared.transport } else { Transport::Single },
+        direct_table: lit && shared.slab.is_direct(),
         peak: lit && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
@@ -254,6 +258,7 @@ fn bind(
     let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
     let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+    let planes = shared.slab.planes().unwrap_or([&optics.remainder; 4]);
     gpu::bind_group(
         device,
         "cloud",
@@ -279,8 +284,12 @@ fn bind(
             texture(shared.depth.map_or(shared.no_depth, |depth| depth.view)),
             Some(shared.air.as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
-            texture(shared.slab_table),
-            texture(&optics.remainder),
+            texture(shared.slab.volume().unwrap_or(shared.noise_volume)),
+            texture(shared.slab.angles().unwrap_or(&optics.remainder)),
+            texture(planes[0]),
+            texture(planes[1]),
+            texture(planes[2]),
+            texture(planes[3]),
         ],
     )
 }

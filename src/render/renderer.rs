@@ -9,7 +9,7 @@ use super::{
     noise,
     sky::Sky,
     sky_settings::SkySettings,
-    slab,
+    slab_textures::{SlabTable, SlabTextures},
     stats::Counters,
     target::{Layers, SceneDepth, Target},
 };
@@ -32,12 +32,23 @@ pub enum Transport {
     /// small angles is told apart.
     #[default]
     Slab,
+    /// As Kol (2013): one slab at one point of a ray, for all orders, from the sun maps at one
+    /// level of detail everywhere.
+    SlabKol,
+    /// As Bouthors (2008): a slab for each set of orders, under the area where its light
+    /// entered, found by iteration. Slow.
+    SlabBouthors,
 }
 
 impl Transport {
     /// Names and values.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("single", Self::Single), ("delta-eddington", Self::DeltaEddington), ("slab", Self::Slab)];
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("single", Self::Single),
+        ("delta-eddington", Self::DeltaEddington),
+        ("slab", Self::Slab),
+        ("slab-kol", Self::SlabKol),
+        ("slab-bouthors", Self::SlabBouthors),
+    ];
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -50,6 +61,8 @@ pub struct Renderer {
     pub quality: Quality,
     /// How light inside a cloud is found.
     pub transport: Transport,
+    /// Where Kol's and Bouthors' slabs take their light from; nothing else asks.
+    pub slab_table: SlabTable,
     /// Whether to count work; slower.
     pub counting: bool,
     /// Times the passes where the adapter can.
@@ -60,7 +73,7 @@ pub struct Renderer {
     sky: Sky,
     light_pass: LightPass,
     clouds: CloudsPass,
-    slab_table: Option<wgpu::TextureView>,
+    slab: Option<((Transport, SlabTable), SlabTextures)>,
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
     repeat: wgpu::Sampler,
@@ -91,7 +104,8 @@ impl Renderer {
             sky: Sky::new(device),
             light_pass: LightPass::new(device),
             clouds: CloudsPass::new(device),
-            slab_table: None,
+            slab: None,
+            slab_table: SlabTable::default(),
             compose: None,
             counters: Counters::new(device),
             repeat: gpu::linear_repeat(device),
@@ -262,8 +276,9 @@ impl Renderer {
         self.prepare_sky(encoder, frame);
         self.prepare_noise(frame.scene.noise.seed);
         self.prepare_lights(encoder, frame);
-        if self.transport == Transport::Slab && self.slab_table.is_none() {
-            self.slab_table = slab::upload(&self.device, &self.queue);
+        let wanted = (self.transport, self.slab_table);
+        if self.slab.as_ref().is_none_or(|(known, _)| *known != wanted) {
+            self.slab = Some((wanted, SlabTextures::new(&self.device, &self.queue, wanted.0, wanted.1)));
         }
     }
 
@@ -323,7 +338,7 @@ impl Renderer {
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Vec<Draw> {
-        let Some((_, noise_volume)) = &self.noise else { return Vec::new() };
+        let (Some((_, noise_volume)), Some((_, slab))) = (&self.noise, &self.slab) else { return Vec::new() };
         let shared = Shared {
             device: &self.device,
             queue: &self.queue,
@@ -345,7 +360,7 @@ impl Renderer {
             counting: self.counting,
             atmosphere: self.sky.has_atmosphere(),
             lit_by_sky: self.sky.lights(),
-            slab_table: self.slab_table.as_ref().unwrap_or(noise_volume),
+            slab,
         };
         let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
         let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();

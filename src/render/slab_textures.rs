@@ -1,10 +1,85 @@
-//! Tables of slabs that the renderer's default doesn't need, as textures.
+//! Tables of slabs as textures.
 
 use half::f16;
 
+use super::Transport;
 use crate::gpu::{self, TextureDesc};
 use crate::optics::slab::SETS;
-use crate::tables::{Grid, slab_functions, slab_radiance};
+use crate::tables::{Grid, slab_functions, slab_moments, slab_radiance};
+
+/// Where Kol's and Bouthors' slabs take their light from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum SlabTable {
+    /// Bouthors' functions, as Kol has them.
+    #[default]
+    Functions,
+    /// The direct table, which is closer to what it tells of.
+    Direct,
+}
+
+/// The tables that a transport needs, at most.
+#[derive(Debug, Default)]
+pub(super) enum SlabTextures {
+    #[default]
+    None,
+    Moments(wgpu::TextureView),
+    Functions(FunctionTextures),
+    /// The functions too: where light entered is told by them alone.
+    Direct(DirectTextures, FunctionTextures),
+}
+
+impl SlabTextures {
+    /// Those of a transport; none where an embedded table is damaged, which a test excludes.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, transport: Transport, table: SlabTable) -> Self {
+        let functions = || FunctionTextures::new(device, queue);
+        let made = match (transport, table) {
+            (Transport::Single | Transport::DeltaEddington, _) => None,
+            (Transport::Slab, _) => moments(device, queue).map(Self::Moments),
+            (_, SlabTable::Functions) => functions().map(Self::Functions),
+            (_, SlabTable::Direct) => DirectTextures::new(device, queue)
+                .zip(functions())
+                .map(|(direct, functions)| Self::Direct(direct, functions)),
+        };
+        made.unwrap_or_default()
+    }
+
+    pub fn is_direct(&self) -> bool {
+        matches!(self, Self::Direct(..))
+    }
+
+    pub fn volume(&self) -> Option<&wgpu::TextureView> {
+        match self {
+            Self::Moments(moments) => Some(moments),
+            Self::Direct(direct, _) => Some(&direct.modes),
+            Self::None | Self::Functions(_) => None,
+        }
+    }
+
+    pub fn angles(&self) -> Option<&wgpu::TextureView> {
+        match self {
+            Self::Functions(functions) => Some(&functions.angle),
+            Self::Direct(direct, _) => Some(&direct.phase),
+            Self::None | Self::Moments(_) => None,
+        }
+    }
+
+    /// View, sun, collector, offset.
+    pub fn planes(&self) -> Option<[&wgpu::TextureView; 4]> {
+        match self {
+            Self::Functions(f) | Self::Direct(_, f) => Some([&f.view, &f.sun, &f.collector, &f.offset]),
+            Self::None | Self::Moments(_) => None,
+        }
+    }
+}
+
+/// The source moments: x the sun, y the depth, z the thickness within a half of the numbers
+/// within a set.
+fn moments(device: &wgpu::Device, queue: &wgpu::Queue) -> Option<wgpu::TextureView> {
+    let grid = slab_moments().ok()?;
+    let length = |axis: usize| grid.axes[axis].values.len() as u32;
+    let size = [length(4), length(3), length(2) * length(1) * length(0)];
+    Some(upload(device, queue, "slab moments", size, &texels(grid)))
+}
 
 /// The direct table, for `slab_direct` of `shaders/lib/slab_direct.wgsl`.
 #[derive(Debug, Clone)]
