@@ -43,6 +43,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "editor")]
+pub mod editor;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;
