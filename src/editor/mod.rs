@@ -2,5 +2,8 @@
 //! one panel is one struct in one file.
 
 mod document;
+mod operations;
+mod selection;
 
-pub use document::{Document, EllipsoidId, Selection};
+pub use document::Document;
+pub use selection::{EllipsoidId, Selection};
