@@ -4,6 +4,7 @@
 mod document;
 mod operations;
 mod selection;
+pub mod viewport;
 
 pub use document::Document;
 pub use selection::{EllipsoidId, Selection};
