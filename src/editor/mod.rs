@@ -10,6 +10,7 @@ mod selection;
 mod session;
 mod settings;
 mod theme;
+pub mod viewport;
 mod words;
 
 pub use document::Document;
