@@ -147,15 +147,9 @@ impl Render {
         scene: &Scene,
         progress: &mut dyn FnMut(f64),
     ) -> Result<()> {
-        let size = [self.width, self.height];
-        let linear = self.beauty(gpu, renderer, frame, progress)?.upload(gpu);
-        let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
-        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), scene.exposure);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu::read_texture(gpu, &finished, 0)?;
-        export::write_png(&self.output, size, &bytes, self.transparent)
+        let linear = self.beauty(gpu, renderer, frame, progress)?;
+        let bytes = linear.finished(gpu, renderer, scene.exposure)?;
+        export::write_png(&self.output, [self.width, self.height], &bytes, self.transparent)
     }
 
     fn exr(

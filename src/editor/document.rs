@@ -38,6 +38,8 @@ pub struct Document {
     revision: u64,
     saved: Arc<Scene>,
     dirty: bool,
+    /// Whether what was saved is in no file any more.
+    lost: bool,
     refusal: Option<String>,
 }
 
@@ -77,8 +79,13 @@ impl Document {
 
     /// Tells that `scene`, which may be older than the present one, is now in the file.
     pub fn mark_saved(&mut self, scene: Arc<Scene>) {
-        self.saved = scene;
+        (self.saved, self.lost) = (scene, false);
         self.dirty = self.scene != self.saved;
+    }
+
+    /// Tells that the file does not hold what was saved any more: another program changed it.
+    pub fn mark_unsaved(&mut self) {
+        (self.dirty, self.lost) = (true, true);
     }
 
     /// What is selected.
@@ -233,7 +240,7 @@ impl Document {
     fn replace(&mut self, scene: Arc<Scene>) {
         self.scene = scene;
         self.revision += 1;
-        self.dirty = self.scene != self.saved;
+        self.dirty = self.lost || self.scene != self.saved;
         self.selection = std::mem::take(&mut self.selection).within(&self.scene);
     }
 }

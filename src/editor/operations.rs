@@ -214,6 +214,19 @@ impl Document {
         });
     }
 
+    /// Locks what is selected; unlocks it where all of it is locked.
+    pub fn lock(&mut self) {
+        let ids = self.selection().ellipsoids.clone();
+        let whole = self.selection().cloud;
+        self.edit("Lock or unlock", |scene| match whole {
+            Some(cloud) => scene.clouds[cloud].locked ^= true,
+            None => {
+                let lock = ids.iter().any(|id| !get_mut(scene, *id).locked);
+                ids.iter().for_each(|id| get_mut(scene, *id).locked = lock);
+            }
+        });
+    }
+
     /// Shows everything that was hidden.
     pub fn show_all(&mut self) {
         self.edit("Show all", |scene| {

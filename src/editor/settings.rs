@@ -120,6 +120,20 @@ impl Settings {
         write_whole(&file(places), |file| file.write_all(text.as_bytes()))
     }
 
+    /// Whether a panel is open.
+    pub fn shows(&self, panel: &str) -> bool {
+        !self.closed_panels.iter().any(|closed| closed == panel)
+    }
+
+    /// Opens a panel, or closes it.
+    pub fn toggle(&mut self, panel: &str) {
+        if self.shows(panel) {
+            self.closed_panels.push(panel.to_owned());
+        } else {
+            self.closed_panels.retain(|closed| closed != panel);
+        }
+    }
+
     /// Puts `path` first among the recent files.
     pub fn remember(&mut self, path: &Path) {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());

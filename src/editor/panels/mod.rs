@@ -2,16 +2,20 @@
 
 mod object;
 mod outliner;
+mod picture;
 mod sun;
 mod sun_dial;
+mod view;
 mod world;
 
 use eframe::egui::{self, RichText, Ui};
 
 pub use object::ObjectPanel;
 pub use outliner::Outliner;
+pub use picture::{PicturePanel, PictureWish};
 pub use sun::SunPanel;
-pub use world::WorldPanel;
+pub use view::ViewPanel;
+pub use world::{Wish, WorldPanel};
 
 use super::{Document, form::Change};
 use crate::scene::Scene;
