@@ -1,7 +1,7 @@
 //! The one error type: every variant is a sentence that names the thing, the
 //! value and the way out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What can go wrong, told so that the reader knows what to do next.
 #[derive(Debug, thiserror::Error)]
@@ -55,6 +55,18 @@ pub enum Error {
         /// What is wrong with it.
         problem: String,
     },
+}
+
+impl Error {
+    /// A complaint about a scene that says which file it is about.
+    pub(crate) fn in_file(self, file: &Path) -> Self {
+        match self {
+            Self::Scene { path, problem } => {
+                Self::Scene { path: format!("{}: {path}", file.display()), problem }
+            }
+            other => other,
+        }
+    }
 }
 
 /// The result of every fallible function of this crate.

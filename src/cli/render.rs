@@ -107,7 +107,7 @@ impl Render {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        let scene = Scene::load(&self.scene).map_err(|error| in_file(error, &self.scene))?;
+        let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         let n = self.rays_across();
         let frame = Frame::new(&scene, [n * self.width, n * self.height])?;
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
@@ -279,16 +279,6 @@ impl Report {
             }
         }
         text
-    }
-}
-
-/// A complaint about a scene says which file it is about.
-fn in_file(error: Error, file: &Path) -> Error {
-    match error {
-        Error::Scene { path, problem } => {
-            Error::Scene { path: format!("{}: {path}", file.display()), problem }
-        }
-        other => other,
     }
 }
 

@@ -32,7 +32,8 @@ impl From<wgpu::AdapterInfo> for AdapterSummary {
     }
 }
 
-/// An open device with its queue, and what the driver complained of.
+/// An open device with its queue, and what the driver complained of. Clones are the same device.
+#[derive(Debug, Clone)]
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,

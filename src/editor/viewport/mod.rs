@@ -86,6 +86,11 @@ impl Viewport {
         }
     }
 
+    /// The device that it draws with.
+    pub fn gpu(&self) -> &Gpu {
+        self.canvas.gpu()
+    }
+
     /// What was drawn and how long it took.
     pub fn statistics(&self) -> &Statistics {
         &self.canvas.statistics
