@@ -155,9 +155,9 @@ impl Canvas {
         &self.gpu
     }
 
-    /// Volumes and tables of light made so far.
-    pub fn light_updates(&self) -> u32 {
-        self.renderer.light_updates()
+    /// Whether there is nothing left to draw.
+    pub fn at_rest(&self) -> bool {
+        self.stage == Stage::Final && self.subject.is_some()
     }
 
     /// Whether passes are timed and work is counted; makes pictures a little slower.
@@ -331,6 +331,7 @@ impl Canvas {
         }
         self.submit(encoder)?;
         self.statistics.drawn(work.stage, size, work.rays, work.spent);
+        self.statistics.light_updates = self.renderer.light_updates();
         Ok(())
     }
 

@@ -96,6 +96,11 @@ impl Viewport {
         &self.canvas.statistics
     }
 
+    /// Whether the picture is final and nothing asks for another frame.
+    pub fn at_rest(&self) -> bool {
+        self.canvas.at_rest()
+    }
+
     /// The view as a camera of a scene.
     pub fn camera(&self) -> scene::Camera {
         self.view.camera(self.aspect())

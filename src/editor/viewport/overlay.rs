@@ -1,0 +1,183 @@
+//! What is drawn over the picture besides handles: outlines, the ground's grid, the horizon
+//! with the compass, the sun.
+
+use std::f64::consts::TAU;
+
+use eframe::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
+use glam::DVec3;
+
+use super::{
+    ink,
+    lens::{Lens, pos},
+    operation::nice,
+    outline, pick,
+};
+use crate::{
+    editor::{EllipsoidId, Selection},
+    scene::Scene,
+};
+
+/// Lines of the grid on either side of its middle.
+const LINES: i32 = 24;
+/// Far enough to be the horizon, m.
+const FAR: f64 = 1e7;
+
+/// Outlines of what can be seen; those that are not selected only where `all`.
+pub fn outlines(
+    painter: &Painter,
+    lens: &Lens,
+    scene: &Scene,
+    selection: &Selection,
+    hover: Option<EllipsoidId>,
+    all: bool,
+) {
+    let rank = |id: EllipsoidId| match id {
+        _ if selection.active == Some(id) => 3,
+        _ if selection.contains(id) => 2,
+        _ if hover == Some(id) => 1,
+        _ => 0,
+    };
+    let mut seen: Vec<_> = pick::visible(scene).map(|(id, e)| (rank(id), id, e)).collect();
+    // The important ones over the others.
+    seen.sort_by_key(|(rank, ..)| *rank);
+    for (rank, id, ellipsoid) in seen {
+        if rank == 0 && !all {
+            continue;
+        }
+        let hovered = hover == Some(id);
+        let (width, color) = match rank {
+            3 => (2.2, ink::ACTIVE),
+            2 => (1.8, ink::SELECTED),
+            1 => (1.6, ink::HOVER),
+            _ => (1.0, ink::QUIET),
+        };
+        for line in outline::lines(ellipsoid, lens) {
+            ink::line(painter, &line, width + if hovered && rank > 1 { 0.8 } else { 0.0 }, color);
+        }
+    }
+}
+
+/// Dots at the centres of everything that a box can take.
+pub fn centers(painter: &Painter, lens: &Lens, scene: &Scene, chosen: impl Fn(EllipsoidId) -> bool) {
+    for (id, ellipsoid) in pick::free(scene) {
+        if let Some(at) = outline::center(ellipsoid, lens) {
+            ink::disc(painter, at, 3.5, if chosen(id) { ink::SELECTED } else { ink::WORDS });
+        }
+    }
+}
+
+/// The grid on the ground at `altitude`, its lines as far apart as suits the distance of
+/// the pivot, fading with it.
+pub fn grid(painter: &Painter, lens: &Lens, altitude: f64, pivot: DVec3, distance: f64) {
+    let height = (lens.eye.y - altitude).abs();
+    let step = nice(0.1 * distance.max(height));
+    let middle = (pivot / step).round() * step;
+    let end = f64::from(LINES) * step;
+    for i in -LINES..=LINES {
+        let fade = 1.0 - (f64::from(i.abs()) / f64::from(LINES)).powi(2);
+        for along in [DVec3::X, DVec3::Z] {
+            let across = DVec3::new(along.z, 0.0, along.x);
+            let start = DVec3::new(middle.x, altitude, middle.z) + f64::from(i) * step * across;
+            let index = (start.dot(across) / step).round() as i64;
+            let strong = if index % 10 == 0 { 2.0 } else { 1.0 };
+            faded_line(painter, lens, [start - end * along, start + end * along], 0.11 * strong * fade);
+        }
+    }
+}
+
+/// A line that is brightest in its middle.
+fn faded_line(painter: &Painter, lens: &Lens, [a, b]: [DVec3; 2], strength: f64) {
+    const PIECES: i32 = 8;
+    let at = |i: i32| a.lerp(b, f64::from(i) / f64::from(PIECES));
+    for i in 0..PIECES {
+        let from_middle = (2.0 * (f64::from(i) + 0.5) / f64::from(PIECES) - 1.0).abs();
+        let alpha = (255.0 * strength * (1.0 - from_middle.powi(2))) as u8;
+        let Some(ends) = lens.clip(at(i), at(i + 1)) else { continue };
+        if let [Some(a), Some(b)] = ends.map(|p| lens.place(p))
+            && alpha > 3
+        {
+            painter.line_segment([a, b], Stroke::new(1.0, Color32::from_white_alpha(alpha)));
+        }
+    }
+}
+
+/// The horizon, with the compass on it.
+pub fn horizon(painter: &Painter, lens: &Lens) {
+    if lens.orthographic {
+        return;
+    }
+    let direction = |turns: f64| {
+        let (sin, cos) = (TAU * turns).sin_cos();
+        DVec3::new(sin, 0.0, -cos)
+    };
+    let place = |turns: f64| lens.place(lens.eye + FAR * direction(turns));
+    for i in 0..72 {
+        let (a, b) = (f64::from(i) / 72.0, f64::from(i + 1) / 72.0);
+        if let (Some(a), Some(b)) = (place(a), place(b)) {
+            painter.line_segment([a, b], Stroke::new(1.0, Color32::from_white_alpha(38)));
+        }
+    }
+    for (i, name) in ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate() {
+        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(12.0).contains(*at)) else { continue };
+        painter.line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(110)));
+        let size = if i % 2 == 0 { 12.0 } else { 10.0 };
+        ink::words(painter, at - Vec2::new(0.0, 5.0), Align2::CENTER_BOTTOM, size, Color32::from_white_alpha(170), name);
+    }
+}
+
+/// Where the sun stands: a ring where it can be seen, else an arrow at the edge.
+pub fn sun(painter: &Painter, lens: &Lens, to_sun: DVec3) {
+    let area = lens.rect.shrink(26.0);
+    let seen = lens.place(lens.eye + FAR * to_sun).filter(|at| area.contains(*at));
+    if let (Some(at), false) = (seen, lens.orthographic) {
+        ink::ring(painter, at, 9.0, 1.5, ink::SUN);
+        for i in 0..8 {
+            let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
+            painter.line_segment([at + 13.0 * ray, at + 17.0 * ray], Stroke::new(1.5, ink::SUN));
+        }
+        return;
+    }
+    let toward = Vec2::new(to_sun.dot(lens.right) as f32, -to_sun.dot(lens.up) as f32);
+    if toward.length() < 1e-3 {
+        return;
+    }
+    let toward = toward.normalized();
+    let reach = (0.5 * area.width() / toward.x.abs().max(1e-6)).min(0.5 * area.height() / toward.y.abs().max(1e-6));
+    let at = area.center() + reach * toward;
+    ink::disc(painter, at, 7.0, ink::SUN);
+    let across = toward.rot90();
+    let tip = vec![at + 19.0 * toward, at + 11.0 * toward + 5.0 * across, at + 11.0 * toward - 5.0 * across];
+    ink::area(painter, tip, ink::SUN);
+}
+
+/// The line of an axis through the pivot, right across the view.
+pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, color: Color32) {
+    let reach = 200.0 * lens.metres_per_point(pivot) * f64::from(lens.rect.height()).sqrt();
+    if let Some([a, b]) = lens.clip(pivot - reach * axis, pivot + reach * axis)
+        && let [Some(a), Some(b)] = [a, b].map(|p| lens.place(p))
+    {
+        ink::line(painter, &[a, b], 1.2, color);
+    }
+}
+
+/// A dashed line, from the pivot to the mouse.
+pub fn tether(painter: &Painter, from: Pos2, to: Pos2) {
+    painter.extend(Shape::dashed_line(&[from, to], Stroke::new(3.0, Color32::from_black_alpha(110)), 6.0, 4.0));
+    painter.extend(Shape::dashed_line(&[from, to], Stroke::new(1.2, ink::WORDS), 6.0, 4.0));
+}
+
+/// The box that selects.
+pub fn selection_box(painter: &Painter, area: eframe::egui::Rect) {
+    painter.rect(
+        area,
+        0.0,
+        ink::HOVER.gamma_multiply(0.12),
+        Stroke::new(1.0, ink::HOVER),
+        eframe::egui::StrokeKind::Middle,
+    );
+}
+
+/// Where the pivot is on the screen.
+pub fn place(lens: &Lens, point: DVec3) -> Option<Pos2> {
+    lens.project(point).map(pos)
+}
