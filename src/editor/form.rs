@@ -2,7 +2,8 @@
 //! the scene's schema.
 
 use eframe::egui::{
-    self, Align, Color32, DragValue, Layout, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric, vec2,
+    self, Align, Color32, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric,
+    vec2,
 };
 use egui_phosphor::regular as icon;
 use glam::{DQuat, DVec3, EulerRot};
@@ -207,18 +208,16 @@ impl<'a> Form<'a> {
         let (id, reset) = self
             .ui
             .push_id(path, |ui| {
-                ui.horizontal(|ui| {
-                    let label = label(ui, name).on_hover_text(help);
-                    let room = vec2(ui.available_width() - RESET_WIDTH, ui.spacing().interact_size.y);
-                    let layout = Layout::left_to_right(Align::Center);
-                    let response = ui.allocate_ui_with_layout(room, layout, |ui| {
-                        ui.set_width(room.x);
-                        widget(ui, value)
-                    });
-                    let response = response.inner.on_hover_text(help).labelled_by(label.id);
-                    (response.id, differs && reset_button(ui, name))
-                })
-                .inner
+                // Rooms of a given size: no row can make the panel wider.
+                let (row, _) = ui.allocate_exact_size(
+                    vec2(ui.available_width(), ui.spacing().interact_size.y),
+                    egui::Sense::hover(),
+                );
+                let [name_room, room, reset_room] = rooms(row);
+                let label = label(&mut room_in(ui, name_room), name).on_hover_text(help);
+                let mut inside = room_in(ui, room);
+                let response = widget(&mut inside, value).on_hover_text(help).labelled_by(label.id);
+                (response.id, differs && reset_button(&mut room_in(ui, reset_room), name))
             })
             .inner;
         if reset {
@@ -230,14 +229,24 @@ impl<'a> Form<'a> {
     }
 }
 
-/// The label of a row, on the left, cut where it is too long.
+/// The rooms of a row: label, widget, reset.
+fn rooms(row: Rect) -> [Rect; 3] {
+    let (name, rest) = row.split_left_right_at_x(row.left() + LABEL_WIDTH);
+    let (widget, reset) = rest.split_left_right_at_x(row.right() - RESET_WIDTH);
+    [name, widget, reset]
+}
+
+fn room_in(ui: &mut Ui, room: Rect) -> Ui {
+    let layout = Layout::left_to_right(Align::Center);
+    let mut inside = ui.new_child(UiBuilder::new().max_rect(room).layout(layout).id_salt(room.left() as i32));
+    inside.shrink_clip_rect(room.expand(2.0));
+    inside
+}
+
+/// The label of a row, cut where it is too long.
 fn label(ui: &mut Ui, name: &str) -> Response {
-    let size = vec2(LABEL_WIDTH, ui.spacing().interact_size.y);
-    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-    let builder = UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center));
     let color = ui.visuals().weak_text_color();
-    ui.scope_builder(builder, |ui| ui.add(egui::Label::new(RichText::new(name).color(color)).truncate()))
-        .inner
+    ui.add(egui::Label::new(RichText::new(name).color(color)).truncate())
 }
 
 fn reset_button(ui: &mut Ui, name: &str) -> bool {

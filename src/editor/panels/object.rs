@@ -43,7 +43,7 @@ impl ObjectPanel {
         hint(ui, "Heaps smaller ellipsoids on the upper side of each selected one.");
         let heaps = &mut self.heaps;
         ui.horizontal(|ui| {
-            let mut number = |ui: &mut Ui, name: &str, add: DragValue<'_>| {
+            let number = |ui: &mut Ui, name: &str, add: DragValue<'_>| {
                 ui.label(name);
                 let response = ui.add(add.speed(0.05));
                 name_widget(ui, &response, name);
