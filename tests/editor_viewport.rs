@@ -2,72 +2,260 @@
 #![cfg(feature = "editor")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use eframe::egui::{self, Key, Modifiers, PointerButton, Pos2, Vec2, pos2, vec2};
-use egui_kittest::{
-    Harness,
-    wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup},
+mod common;
+
+use common::window::{App, at, lump, open, rest, run, shoot, two_lumps};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
+use glam::DVec3;
+use nephos::editor::{
+    EllipsoidId, Selection,
+    viewport::{Axes, Side, Tool, ViewCommand},
 };
-use nephos::{
-    editor::{Document, viewport::Viewport},
-    scene::{Cloud, Ellipsoid, Scene},
-};
 
-/// A viewport and the document that it shows.
-pub struct App {
-    pub viewport: Viewport,
-    pub document: Document,
+const TINY: eframe::egui::Vec2 = vec2(160.0, 90.0);
+
+fn selected(app: &App) -> Vec<usize> {
+    app.document.selection().ellipsoids.iter().map(|id| id.ellipsoid).collect()
 }
 
-pub type Window<'a> = Harness<'a, App>;
-
-fn two_lumps() -> Scene {
-    let ellipsoids = vec![
-        Ellipsoid::new(glam::DVec3::new(-150.0, 1000.0, 0.0), glam::DVec3::new(180.0, 120.0, 160.0)),
-        Ellipsoid::new(glam::DVec3::new(200.0, 1050.0, 0.0), glam::DVec3::new(140.0, 110.0, 140.0)),
-    ];
-    Scene { clouds: vec![Cloud { ellipsoids, ..Cloud::default() }], ..Scene::default() }
-}
-
-pub fn open(scene: Scene, size: Vec2) -> Window<'static> {
-    let state = create_render_state(default_wgpu_setup(), egui_wgpu::RendererOptions::PREDICTABLE);
-    let mut viewport = Viewport::new(&state);
-    viewport.settings.frames_per_second = 5.0;
-    let app = App { viewport, document: Document::new(scene) };
-    let ui = |ui: &mut egui::Ui, app: &mut App| app.viewport.ui(ui, &mut app.document);
-    Harness::builder()
-        .with_size(size)
-        .with_max_steps(8)
-        .renderer(WgpuTestRenderer::from_render_state(state))
-        .build_ui_state(ui, app)
-}
-
-/// Steps until nothing asks for another frame.
-pub fn rest(window: &mut Window<'_>) {
-    std::thread::sleep(std::time::Duration::from_millis(180));
-    for _ in 0..4000 {
-        window.step();
-        if window.state().viewport.at_rest() {
-            return;
-        }
-    }
-    panic!("the viewport never comes to rest");
-}
-
-pub fn shoot(window: &mut Window<'_>, name: &str) {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
-    window.render().unwrap().save(folder.join(format!("{name}.png"))).unwrap();
+fn center(app: &App, ellipsoid: usize) -> DVec3 {
+    app.document.scene().clouds[0].ellipsoids[ellipsoid].center
 }
 
 #[test]
 fn comes_to_rest_in_final_quality_and_then_does_nothing() {
-    let mut window = open(two_lumps(), vec2(160.0, 90.0));
+    let mut window = open(two_lumps(), TINY);
     rest(&mut window);
     let statistics = window.state().viewport.statistics().clone();
     assert_eq!((statistics.quality, statistics.rays, statistics.resolution), ("final", 2, [160, 90]));
     for _ in 0..5 {
         window.step();
     }
-    assert_eq!(window.state().viewport.statistics().pictures, statistics.pictures);
-    assert_eq!(window.state().viewport.statistics().light_updates, statistics.light_updates);
-    shoot(&mut window, "rest");
+    // Moving the mouse over the picture draws outlines, but no clouds.
+    window.hover_at(at(&window, 0));
+    window.step();
+    let after = window.state().viewport.statistics();
+    assert_eq!((after.pictures, after.light_updates), (statistics.pictures, statistics.light_updates));
+}
+
+#[test]
+fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
+    let mut window = open(two_lumps(), TINY);
+    rest(&mut window);
+    let before = window.state().viewport.statistics().clone();
+    run(&mut window, ViewCommand::LookFrom(Side::Back));
+    window.run_steps(3);
+    let turned = window.state().viewport.statistics().clone();
+    assert_eq!(turned.quality, "draft");
+    assert!(turned.pictures > before.pictures);
+    rest(&mut window);
+    // Tables of the air in front of the camera are made anew; the light in clouds is not.
+    let rested = window.state().viewport.statistics().clone();
+    window.state_mut().document.edit("Move", |scene| scene.clouds[0].ellipsoids[0].center.y += 20.0);
+    rest(&mut window);
+    let edited = window.state().viewport.statistics().clone();
+    assert!(edited.light_updates - rested.light_updates > rested.light_updates - before.light_updates);
+    window.state_mut().document.edit("Expose", |scene| scene.exposure = 1.0);
+    window.step();
+    assert_eq!(window.state().viewport.statistics().pictures, edited.pictures);
+}
+
+#[test]
+fn a_click_selects_shift_adds_and_the_sky_selects_nothing() {
+    let mut window = open(two_lumps(), TINY);
+    // In so small a window the gizmo would cover the other lump.
+    window.state_mut().viewport.settings.tool = Tool::Select;
+    let (left, right) = (at(&window, 0), at(&window, 1));
+    let click = |window: &mut common::window::Window<'_>, place, modifiers| {
+        window.hover_at(place);
+        window.step();
+        for pressed in [true, false] {
+            let event =
+                Event::PointerButton { pos: place, button: PointerButton::Primary, pressed, modifiers };
+            window.event_modifiers(event, modifiers);
+            window.step();
+        }
+    };
+    click(&mut window, left, Modifiers::NONE);
+    assert_eq!(selected(window.state()), [0]);
+    click(&mut window, right, Modifiers::SHIFT);
+    assert_eq!(selected(window.state()), [0, 1]);
+    click(&mut window, left, Modifiers::SHIFT);
+    assert_eq!(selected(window.state()), [1]);
+    click(&mut window, vec2(10.0, 10.0).to_pos2(), Modifiers::NONE);
+    assert_eq!(selected(window.state()), [] as [usize; 0]);
+    assert!(window.state().document.undo_name().is_none());
+}
+
+#[test]
+fn a_second_click_at_one_place_selects_what_is_behind() {
+    let mut scene = two_lumps();
+    scene.clouds[0].ellipsoids = vec![lump([0.0, 1000.0, 0.0]), lump([0.0, 1000.0, -900.0])];
+    let mut window = open(scene, TINY);
+    window.state_mut().viewport.settings.tool = Tool::Select;
+    let place = at(&window, 0);
+    for expected in [0, 1, 0] {
+        window.hover_at(place);
+        window.step();
+        window.drag_at(place);
+        window.step();
+        window.drop_at(place);
+        window.step();
+        assert_eq!(selected(window.state()), [expected]);
+    }
+}
+
+#[test]
+fn a_box_selects_the_centres_in_it() {
+    let mut window = open(two_lumps(), TINY);
+    let (left, right) = (at(&window, 0), at(&window, 1));
+    let reach = vec2(12.0, 12.0);
+    for (from, to, expected) in
+        [(left - reach, left + reach, vec![0]), (left - reach, right + reach, vec![0, 1])]
+    {
+        window.state_mut().document.select(Selection::default());
+        window.hover_at(from);
+        window.step();
+        window.drag_at(from);
+        window.step();
+        for share in [0.3, 0.7, 1.0] {
+            window.hover_at(from + share * (to - from));
+            window.step();
+        }
+        window.drop_at(to);
+        window.step();
+        assert_eq!(selected(window.state()), expected);
+    }
+}
+
+#[test]
+fn dragging_an_arrow_moves_along_its_axis_in_one_step_of_undo() {
+    let mut window = open(two_lumps(), vec2(480.0, 270.0));
+    window.state_mut().viewport.settings.largest = 96;
+    window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 1 }));
+    window.step();
+    let before = center(window.state(), 1);
+    // On the arrow that points up.
+    let from = at(&window, 1) - vec2(0.0, 60.0);
+    window.hover_at(from);
+    window.step();
+    window.drag_at(from);
+    window.step();
+    for up in [10.0, 22.0, 40.0] {
+        window.hover_at(from - vec2(0.0, up));
+        window.step();
+    }
+    let during = center(window.state(), 1);
+    window.drop_at(from - vec2(0.0, 40.0));
+    window.step();
+    let after = center(window.state(), 1);
+    assert_eq!(during, after);
+    assert!(after.y > before.y + 10.0, "{before} {after}");
+    assert!((after - before).with_y(0.0).length() < 1e-9);
+    let document = &mut window.state_mut().document;
+    assert_eq!(document.undo_name(), Some("Move"));
+    document.undo();
+    assert_eq!(document.undo_name(), None);
+    assert_eq!(center(window.state(), 1), before);
+}
+
+#[test]
+fn keys_move_by_a_typed_number_and_escape_takes_it_back() {
+    let mut window = open(two_lumps(), TINY);
+    window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 0 }));
+    let place = at(&window, 0);
+    window.hover_at(place);
+    window.step();
+    let before = center(window.state(), 0);
+    for end in [Key::Escape, Key::Enter] {
+        window.key_press(Key::G);
+        window.step();
+        window.step();
+        assert!(window.state().viewport.takes_keys());
+        for key in [Key::Y, Key::Num1, Key::Num2, Key::Period, Key::Num5] {
+            window.key_press(key);
+            window.step();
+        }
+        assert_eq!(center(window.state(), 0), before + 12.5 * DVec3::Y);
+        window.key_press(end);
+        window.step();
+        assert!(!window.state().viewport.takes_keys());
+        let moved = if end == Key::Enter { 12.5 } else { 0.0 };
+        assert_eq!(center(window.state(), 0), before + moved * DVec3::Y);
+    }
+    let document = &mut window.state_mut().document;
+    assert_eq!(document.undo_name(), Some("Move"));
+    document.undo();
+    assert_eq!(center(window.state(), 0), before);
+}
+
+#[test]
+fn the_middle_button_orbits_and_the_wheel_comes_nearer() {
+    let mut window = open(two_lumps(), TINY);
+    let place = at(&window, 0);
+    let before = window.state().viewport.camera();
+    window.hover_at(place);
+    window.step();
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Middle,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(button(place, true));
+    window.step();
+    window.hover_at(place + vec2(30.0, 0.0));
+    window.step();
+    window.event(button(place + vec2(30.0, 0.0), false));
+    window.step();
+    let orbited = window.state().viewport.camera();
+    assert!(orbited.position.distance(before.position) > 100.0);
+    let focus = window.state().viewport.focus();
+    let far = |camera: &nephos::scene::Camera| camera.position.distance(focus);
+    assert!((far(&orbited) / far(&before) - 1.0).abs() < 1e-6);
+    window.event(Event::MouseWheel {
+        unit: eframe::egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 100.0),
+        modifiers: Modifiers::NONE,
+        phase: eframe::egui::TouchPhase::Move,
+    });
+    for _ in 0..20 {
+        window.step();
+    }
+    assert!(far(&window.state().viewport.camera()) < 0.9 * far(&orbited));
+    assert!(window.state().document.undo_name().is_none());
+}
+
+#[test]
+#[ignore = "makes pictures to look at"]
+fn pictures() {
+    let scene = nephos::scene::Preset::Congestus.scene(7);
+    let mut window = open(scene, vec2(900.0, 560.0));
+    window.state_mut().viewport.settings.largest = 450;
+    rest(&mut window);
+    shoot(&mut window, "plain");
+    let ids = [2, 5].map(|ellipsoid| EllipsoidId { cloud: 0, ellipsoid });
+    window.state_mut().document.select(Selection::of(ids));
+    rest(&mut window);
+    shoot(&mut window, "move");
+    window.state_mut().viewport.settings.tool = Tool::Rotate;
+    window.state_mut().viewport.settings.axes = Axes::Local;
+    run(&mut window, ViewCommand::FrameSelected);
+    rest(&mut window);
+    shoot(&mut window, "rotate");
+    window.state_mut().viewport.settings.tool = Tool::Scale;
+    window.hover_at(vec2(600.0, 300.0).to_pos2());
+    window.step();
+    window.key_press(Key::S);
+    window.step();
+    window.key_press(Key::Z);
+    window.hover_at(vec2(640.0, 200.0).to_pos2());
+    window.step();
+    window.step();
+    shoot(&mut window, "scaling");
+    window.key_press(Key::Escape);
+    window.step();
+    run(&mut window, ViewCommand::LookFrom(Side::Top));
+    rest(&mut window);
+    shoot(&mut window, "top");
 }

@@ -4,6 +4,8 @@
 
 #[cfg(feature = "export")]
 pub mod picture;
+#[cfg(feature = "editor")]
+pub mod window;
 
 use std::sync::OnceLock;
 

@@ -1,6 +1,6 @@
 //! What the mouse does to the view: orbit, pan, dolly, fly.
 
-use eframe::egui::{Key, PointerButton, Response, Ui};
+use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
 use glam::{DVec2, DVec3};
 
 use super::{lens::Lens, lens::dvec, navigation::Navigation};
@@ -84,6 +84,17 @@ impl Hand {
     /// Whether the wheel sets the speed rather than the distance.
     pub fn flies(&self) -> bool {
         *self == Self::Fly
+    }
+
+    /// How the cursor looks meanwhile.
+    pub fn cursor(&self) -> CursorIcon {
+        match self {
+            Self::Free => CursorIcon::Default,
+            Self::Orbit { .. } => CursorIcon::Move,
+            Self::Pan { .. } => CursorIcon::Grabbing,
+            Self::Dolly { .. } => CursorIcon::ResizeVertical,
+            Self::Fly => CursorIcon::Crosshair,
+        }
     }
 
     fn begin_and_end(&mut self, ui: &Ui, response: &Response, lens: &Lens, hold: impl FnOnce(DVec2) -> Hold) {

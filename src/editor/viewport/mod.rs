@@ -3,17 +3,26 @@
 
 mod canvas;
 mod commands;
+mod compass;
+mod gizmo;
 mod hand;
+mod hud;
+mod ink;
 mod lens;
+mod mouse;
 mod navigation;
+mod operation;
+mod outline;
+mod overlay;
 mod pace;
+mod pick;
 mod settings;
 mod statistics;
+mod transform;
 
 use std::time::Duration;
 
-use eframe::egui::{Color32, Rect, Response, Sense, Ui, pos2};
-use glam::DVec2;
+use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, pos2};
 
 pub use canvas::{Canvas, Stage, Subject};
 pub use commands::{COMMANDS, Entry, ViewCommand, find};
@@ -22,20 +31,44 @@ pub use navigation::{Navigation, Side};
 pub use settings::{Axes, Layer, Pivot, Tool, ViewSettings};
 pub use statistics::Statistics;
 
-use self::hand::{Hand, Hold};
+use self::{
+    hand::Hand,
+    mouse::{Boxing, Hover},
+    operation::{Kind, Operation},
+};
 use super::Document;
-use crate::{gpu::Gpu, scene};
+use crate::{
+    gpu::Gpu,
+    scene::{Bounds, Camera, Ellipsoid},
+};
+
+/// Seconds in which the view goes to another one.
+const GLIDE: f64 = 0.22;
 
 /// The viewport of the editor.
 pub struct Viewport {
     /// What a person chose; to be kept between sessions.
     pub settings: ViewSettings,
     view: Navigation,
+    glide: Option<Glide>,
     opened: bool,
     hand: Hand,
     speed: f64,
     rect: Rect,
+    hover: Hover,
+    boxing: Boxing,
+    clicked: Option<Pos2>,
+    wish: Option<Kind>,
+    operation: Option<Operation>,
     canvas: Canvas,
+}
+
+/// A way from one view to another.
+struct Glide {
+    from: Navigation,
+    to: Navigation,
+    /// In the window's time, s; not begun while there is none.
+    began: Option<f64>,
 }
 
 impl Viewport {
@@ -46,10 +79,16 @@ impl Viewport {
         Self {
             settings: ViewSettings::default(),
             view: Navigation::default(),
+            glide: None,
             opened: false,
             hand: Hand::Free,
             speed: 1.0,
             rect: Rect::from_min_max(pos2(0.0, 0.0), pos2(16.0, 9.0)),
+            hover: Hover::default(),
+            boxing: Boxing::Off,
+            clicked: None,
+            wish: None,
+            operation: None,
             canvas: Canvas::new(gpu, render_state.renderer.clone()),
         }
     }
@@ -62,27 +101,45 @@ impl Viewport {
             self.look_through(document);
         }
         self.keys(ui, &response, document);
-        self.navigate(ui, &response, document);
-        self.draw_picture(ui, document);
+        self.mouse(ui, &response, document);
+        self.go_on_gliding(ui);
+        let painter = ui.painter_at(self.rect);
+        self.draw_picture(ui, &painter, document);
+        self.draw_over(ui, &painter, document);
+        self.hud(ui, document);
     }
 
     /// Does what a key, a menu or the palette asked for.
     pub fn run(&mut self, command: ViewCommand, document: &mut Document) {
+        use ViewCommand::*;
         match command {
-            ViewCommand::FrameSelected | ViewCommand::FrameAll => {
-                if let Some(bounds) = document.scene().bounds() {
-                    self.view.frame(bounds, self.aspect());
+            Move => self.wish = Some(Kind::Move),
+            Rotate => self.wish = Some(Kind::Rotate),
+            Scale => self.wish = Some(Kind::Scale),
+            UseTool(tool) => self.settings.tool = tool,
+            ToggleLocal => self.settings.axes = self.settings.axes.other(),
+            NextPivot => self.settings.pivot = self.settings.pivot.next(),
+            ToggleSnap => self.settings.snap ^= true,
+            SelectBox => self.boxing = Boxing::Armed,
+            FrameSelected => self.frame(bounds_of_selected(document).or(bounds_of_visible(document))),
+            FrameAll => self.frame(bounds_of_visible(document)),
+            LookFrom(side) => self.glide_to(|view| view.look_from(side)),
+            ToggleOrthographic => self.view.orthographic ^= true,
+            LookThroughSceneCamera => {
+                let view = through(document);
+                self.glide_to(|to| *to = view);
+            }
+            SaveView(number) => self.save_view(number),
+            RecallView(number) => {
+                if let Some(view) = self.saved_view(number) {
+                    self.glide_to(|to| *to = view);
                 }
             }
-            ViewCommand::LookFrom(side) => self.view.look_from(side),
-            ViewCommand::ToggleOrthographic => self.view.orthographic ^= true,
-            ViewCommand::LookThroughSceneCamera => self.look_through(document),
-            ViewCommand::ToggleOutlines => self.settings.outlines ^= true,
-            ViewCommand::ToggleGrid => self.settings.grid ^= true,
-            ViewCommand::ToggleMeasure => self.settings.measure ^= true,
-            ViewCommand::Show(layer) => self.settings.layer = layer,
-            ViewCommand::UseTool(tool) => self.settings.tool = tool,
-            _ => {}
+            ToggleOutlines => self.settings.outlines ^= true,
+            ToggleGrid => self.settings.grid ^= true,
+            Show(layer) => self.settings.layer = layer,
+            ToggleTruth | ToggleErrorMap => {}
+            ToggleMeasure => self.settings.measure ^= true,
         }
     }
 
@@ -98,20 +155,29 @@ impl Viewport {
 
     /// Whether the picture is final and nothing asks for another frame.
     pub fn at_rest(&self) -> bool {
-        self.canvas.at_rest()
+        self.canvas.at_rest() && self.glide.is_none()
+    }
+
+    /// Whether all keys belong to the viewport now: an axis or a number is expected, or
+    /// letters fly. The shell then leaves its own shortcuts alone.
+    pub fn takes_keys(&self) -> bool {
+        self.operation.is_some() || self.wish.is_some() || self.hand.flies()
     }
 
     /// The view as a camera of a scene.
-    pub fn camera(&self) -> scene::Camera {
+    pub fn camera(&self) -> Camera {
         self.view.camera(self.aspect())
+    }
+
+    /// Where new things go: the middle of the view, m.
+    pub fn focus(&self) -> glam::DVec3 {
+        self.view.pivot
     }
 
     /// Looks as the scene's camera does: to be called when another document is opened.
     pub fn look_through(&mut self, document: &Document) {
-        let scene = document.scene();
-        let camera = scene.camera();
-        let focus = scene.bounds().map_or(camera.target, |(low, high)| 0.5 * (low + high));
-        self.view = Navigation::through(&camera, focus);
+        self.view = through(document);
+        self.glide = None;
         self.opened = true;
     }
 
@@ -119,42 +185,62 @@ impl Viewport {
         f64::from(self.rect.width().max(1.0) / self.rect.height().max(1.0))
     }
 
+    fn save_view(&mut self, number: usize) {
+        if let Some(view) = self.settings.views.get_mut(number.wrapping_sub(1)) {
+            *view = Some(self.view.clone());
+        }
+    }
+
+    fn saved_view(&self, number: usize) -> Option<Navigation> {
+        self.settings.views.get(number.wrapping_sub(1)).cloned().flatten()
+    }
+
+    fn frame(&mut self, bounds: Option<Bounds>) {
+        let aspect = self.aspect();
+        if let Some(bounds) = bounds {
+            self.glide_to(|view| view.frame(bounds, aspect));
+        }
+    }
+
+    fn glide_to(&mut self, change: impl FnOnce(&mut Navigation)) {
+        let mut to = self.glide.take().map_or_else(|| self.view.clone(), |glide| glide.to);
+        change(&mut to);
+        self.glide = Some(Glide { from: self.view.clone(), to, began: None });
+    }
+
+    fn go_on_gliding(&mut self, ui: &Ui) {
+        let Some(glide) = &mut self.glide else { return };
+        let now = ui.input(|i| i.time);
+        let share = ((now - *glide.began.get_or_insert(now)) / GLIDE).clamp(0.0, 1.0);
+        let eased = share * share * (3.0 - 2.0 * share);
+        self.view = glide.from.toward(&glide.to, eased);
+        if share >= 1.0 {
+            self.glide = None;
+        } else {
+            ui.ctx().request_repaint();
+        }
+    }
+
     fn keys(&mut self, ui: &Ui, response: &Response, document: &mut Document) {
-        if !response.contains_pointer() || self.hand != Hand::Free || ui.ctx().egui_wants_keyboard_input() {
+        if self.takes_keys() || !response.contains_pointer() || ui.ctx().egui_wants_keyboard_input() {
             return;
         }
-        let shortcut = |entry: &&Entry| {
+        let pressed = |entry: &&Entry| {
             entry.shortcut.is_some_and(|keys| {
                 ui.input_mut(|i| i.modifiers.matches_exact(keys.modifiers) && i.consume_shortcut(&keys))
             })
         };
-        if let Some(entry) = COMMANDS.iter().find(shortcut) {
+        if let Some(entry) = COMMANDS.iter().find(pressed) {
             self.run(entry.command, document);
+            ui.ctx().request_repaint();
         }
     }
 
-    fn navigate(&mut self, ui: &Ui, response: &Response, document: &Document) {
-        let view = &mut self.view;
-        let lens = view.lens(self.rect);
-        let depth = view.distance;
-        let (pivot, _) = (view.pivot, document);
-        let hold = |at: DVec2| Hold { under: lens.at_depth(at, depth), about: pivot };
-        self.hand.update(ui, response, view, &mut self.speed, hold);
-        hand::wheel(ui, response, &self.hand, view, &mut self.speed, hold);
-    }
-
-    fn draw_picture(&mut self, ui: &Ui, document: &Document) {
-        let pixels = self.rect.size() * ui.pixels_per_point();
-        let mut size = [pixels.x, pixels.y].map(|n| (n.round() as u32).max(1));
-        let most = if self.settings.largest == 0 { 8192 } else { self.settings.largest };
-        if size[0] > most {
-            size =
-                [most, (f64::from(size[1]) * f64::from(most) / f64::from(size[0])).round().max(1.0) as u32];
-        }
+    fn draw_picture(&mut self, ui: &Ui, painter: &Painter, document: &Document) {
         let subject = Subject {
             scene: document.shared_scene(),
             camera: self.view.camera(self.aspect()),
-            size,
+            size: self.pixels(ui.pixels_per_point()),
             layer: self.settings.layer,
             rays: 2,
         };
@@ -163,16 +249,65 @@ impl Viewport {
         if let Some(after) = self.canvas.update(subject, document.scene().exposure, budget) {
             ui.ctx().request_repaint_after(after);
         }
-        let painter = ui.painter_at(self.rect);
         if let Some(image) = self.canvas.image() {
-            painter.image(
-                image,
-                self.rect,
-                Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)),
-                Color32::WHITE,
-            );
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(image, self.rect, whole, Color32::WHITE);
         }
     }
+
+    /// Size of the picture: the screen's, unless that is more than wanted.
+    fn pixels(&self, pixels_per_point: f32) -> [u32; 2] {
+        let size = self.rect.size() * pixels_per_point;
+        let most = if self.settings.largest == 0 { 8192 } else { self.settings.largest };
+        let shrink = (most as f32 / size.x.max(size.y).max(1.0)).min(1.0);
+        [size.x, size.y].map(|n| ((n * shrink).round() as u32).max(1))
+    }
+
+    fn draw_over(&self, ui: &Ui, painter: &Painter, document: &Document) {
+        let (scene, selection) = (document.scene(), document.selection());
+        let world = self.view.lens(self.rect);
+        let lens = self.scene_lens(document);
+        if self.settings.grid {
+            overlay::grid(painter, &world, scene.ground.altitude, self.view.pivot, self.view.distance);
+            overlay::horizon(painter, &world);
+        }
+        let hover = self.hover.ellipsoid;
+        overlay::outlines(painter, &lens, scene, selection, hover, self.settings.outlines);
+        if let Some(area) = self.box_area(ui) {
+            let found = pick::in_box(scene, &lens, area);
+            overlay::centers(painter, &lens, scene, |id| found.contains(&id));
+            overlay::selection_box(painter, area);
+        }
+        if let Some(operation) = &self.operation {
+            hud::draw_operation(ui, painter, &lens, operation);
+        }
+        if let Some(gizmo) = self.gizmo(document) {
+            let lit = self.operation.as_ref().map(|operation| operation.constraint).or(self.hover.handle);
+            gizmo.draw(painter, &lens, lit);
+        }
+    }
+}
+
+fn through(document: &Document) -> Navigation {
+    let camera = document.scene().camera();
+    let focus = bounds_of_visible(document).map_or(camera.target, |(low, high)| 0.5 * (low + high));
+    Navigation::through(&camera, focus)
+}
+
+fn bounds_of_selected(document: &Document) -> Option<Bounds> {
+    let ids = &document.selection().ellipsoids;
+    union(document, ids.iter().filter_map(|id| document.ellipsoid(*id)))
+}
+
+fn bounds_of_visible(document: &Document) -> Option<Bounds> {
+    union(document, pick::visible(document.scene()).map(|(_, ellipsoid)| ellipsoid))
+}
+
+/// Bounds where the wind has carried them.
+fn union<'a>(document: &Document, ellipsoids: impl Iterator<Item = &'a Ellipsoid>) -> Option<Bounds> {
+    let (low, high) = ellipsoids.map(Ellipsoid::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+    let blown = mouse::blown(document);
+    Some((low + blown, high + blown))
 }
 
 /// A rectangle whose picture has whole pixels.

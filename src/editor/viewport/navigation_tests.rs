@@ -161,7 +161,8 @@ fn flying_moves_the_eye_and_keeps_where_it_looks() {
     assert!(view.eye().distance(eye + 250.0 * forward) < 1e-6);
     view.look_around(DVec2::new(0.4, 0.1));
     assert!(view.eye().distance(eye + 250.0 * forward) < 1e-6);
-    assert!(view.forward().distance(forward) > 0.3);
+    // 0.4 rad of heading at a pitch of -0.9, and 0.1 of pitch.
+    assert!(view.forward().distance(forward) > 0.2);
 }
 
 #[test]

@@ -116,6 +116,11 @@ impl Operation {
         })
     }
 
+    /// The same by a handle: it ends where the button is let go.
+    pub fn dragged_by(self, handle: Constraint) -> Self {
+        Self { constraint: handle, dragged: true, ..self }
+    }
+
     /// From the axes that it is held to into the world.
     pub fn frame(&self) -> DQuat {
         if self.local { self.own } else { DQuat::IDENTITY }
@@ -217,7 +222,13 @@ impl Operation {
                 let by = self.frame().inverse() * by;
                 match self.constraint {
                     Constraint::Axis(axis) => format!("{} m", short(by[axis])),
-                    _ => format!("x {}  y {}  z {}  ({} m)", short(by.x), short(by.y), short(by.z), short(by.length())),
+                    _ => format!(
+                        "x {}  y {}  z {}  ({} m)",
+                        short(by.x),
+                        short(by.y),
+                        short(by.z),
+                        short(by.length())
+                    ),
                 }
             }
             Change::Turn { angle, .. } => format!("{:.1}°", angle.to_degrees()),
@@ -321,7 +332,8 @@ impl Operation {
         let (from, to) = (self.from - center, self.to - center);
         if self.dragged
             && let Constraint::Axis(axis) = self.constraint
-            && let Some(end) = lens.project(self.pivot + lens.metres_per_point(self.pivot) * axis_of(self.frame(), axis))
+            && let Some(end) =
+                lens.project(self.pivot + lens.metres_per_point(self.pivot) * axis_of(self.frame(), axis))
         {
             // Only the way along the arm counts.
             let along = (end - center).normalize_or_zero();
@@ -379,7 +391,11 @@ pub fn move_step(lens: &Lens, at: DVec3) -> f64 {
 /// The least of 1, 2, 5, 10 ... that is at least `x`.
 pub fn nice(x: f64) -> f64 {
     let power = 10f64.powf(x.max(1e-12).log10().floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|n| n * power).find(|&n| n >= x * (1.0 - 1e-9)).unwrap_or(10.0 * power)
+    [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .map(|n| n * power)
+        .find(|&n| n >= x * (1.0 - 1e-9))
+        .unwrap_or(10.0 * power)
 }
 
 /// Metres along an axis to the point that is nearest to a line of sight; nothing where they

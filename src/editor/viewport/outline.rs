@@ -75,9 +75,15 @@ mod tests {
     fn lumps() -> [Ellipsoid; 3] {
         let orientation = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.8);
         [
-            Ellipsoid { orientation, ..Ellipsoid::new(DVec3::new(-200.0, 900.0, 600.0), DVec3::new(300.0, 90.0, 150.0)) },
+            Ellipsoid {
+                orientation,
+                ..Ellipsoid::new(DVec3::new(-200.0, 900.0, 600.0), DVec3::new(300.0, 90.0, 150.0))
+            },
             // The eye is near its surface: the outline is far from an ellipse about the centre.
-            Ellipsoid { orientation, ..Ellipsoid::new(DVec3::new(2700.0, 830.0, 30.0), DVec3::new(150.0, 90.0, 250.0)) },
+            Ellipsoid {
+                orientation,
+                ..Ellipsoid::new(DVec3::new(2700.0, 830.0, 30.0), DVec3::new(150.0, 90.0, 250.0))
+            },
             Ellipsoid::new(DVec3::new(1000.0, 500.0, 0.0), DVec3::new(20.0, 700.0, 20.0)),
         ]
     }
@@ -89,7 +95,8 @@ mod tests {
             for ellipsoid in &lumps() {
                 let corners = silhouette(ellipsoid, &lens).unwrap();
                 let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-                for corner in corners.iter().filter(|&&corner| lens.orthographic || lens.depth(corner) > 1.0) {
+                for corner in corners.iter().filter(|&&corner| lens.orthographic || lens.depth(corner) > 1.0)
+                {
                     for (share, meets) in [(1.0 - 1e-6, true), (1.0 + 1e-6, false)] {
                         let at = lens.project(middle + share * (*corner - middle)).unwrap();
                         assert_eq!(chord(ellipsoid, &lens.ray(at)).is_some(), meets);

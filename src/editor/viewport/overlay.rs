@@ -6,12 +6,7 @@ use std::f64::consts::TAU;
 use eframe::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
 use glam::DVec3;
 
-use super::{
-    ink,
-    lens::{Lens, pos},
-    operation::nice,
-    outline, pick,
-};
+use super::{ink, lens::Lens, operation::nice, outline, pick};
 use crate::{
     editor::{EllipsoidId, Selection},
     scene::Scene,
@@ -118,10 +113,20 @@ pub fn horizon(painter: &Painter, lens: &Lens) {
         }
     }
     for (i, name) in ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate() {
-        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(12.0).contains(*at)) else { continue };
-        painter.line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(110)));
+        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(12.0).contains(*at)) else {
+            continue;
+        };
+        painter
+            .line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(110)));
         let size = if i % 2 == 0 { 12.0 } else { 10.0 };
-        ink::words(painter, at - Vec2::new(0.0, 5.0), Align2::CENTER_BOTTOM, size, Color32::from_white_alpha(170), name);
+        ink::words(
+            painter,
+            at - Vec2::new(0.0, 5.0),
+            Align2::CENTER_BOTTOM,
+            size,
+            Color32::from_white_alpha(170),
+            name,
+        );
     }
 }
 
@@ -142,7 +147,8 @@ pub fn sun(painter: &Painter, lens: &Lens, to_sun: DVec3) {
         return;
     }
     let toward = toward.normalized();
-    let reach = (0.5 * area.width() / toward.x.abs().max(1e-6)).min(0.5 * area.height() / toward.y.abs().max(1e-6));
+    let reach =
+        (0.5 * area.width() / toward.x.abs().max(1e-6)).min(0.5 * area.height() / toward.y.abs().max(1e-6));
     let at = area.center() + reach * toward;
     ink::disc(painter, at, 7.0, ink::SUN);
     let across = toward.rot90();
@@ -162,7 +168,12 @@ pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, colo
 
 /// A dashed line, from the pivot to the mouse.
 pub fn tether(painter: &Painter, from: Pos2, to: Pos2) {
-    painter.extend(Shape::dashed_line(&[from, to], Stroke::new(3.0, Color32::from_black_alpha(110)), 6.0, 4.0));
+    painter.extend(Shape::dashed_line(
+        &[from, to],
+        Stroke::new(3.0, Color32::from_black_alpha(110)),
+        6.0,
+        4.0,
+    ));
     painter.extend(Shape::dashed_line(&[from, to], Stroke::new(1.2, ink::WORDS), 6.0, 4.0));
 }
 
@@ -175,9 +186,4 @@ pub fn selection_box(painter: &Painter, area: eframe::egui::Rect) {
         Stroke::new(1.0, ink::HOVER),
         eframe::egui::StrokeKind::Middle,
     );
-}
-
-/// Where the pivot is on the screen.
-pub fn place(lens: &Lens, point: DVec3) -> Option<Pos2> {
-    lens.project(point).map(pos)
 }

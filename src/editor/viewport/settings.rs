@@ -72,6 +72,16 @@ pub enum Axes {
     Local,
 }
 
+impl Axes {
+    /// The other ones.
+    pub fn other(self) -> Self {
+        match self {
+            Self::World => Self::Local,
+            Self::Local => Self::World,
+        }
+    }
+}
+
 /// About what several ellipsoids turn and scale.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -83,6 +93,26 @@ pub enum Pivot {
     Active,
     /// Each about its own centre.
     Each,
+}
+
+impl Pivot {
+    /// The next of the three.
+    pub fn next(self) -> Self {
+        match self {
+            Self::Middle => Self::Active,
+            Self::Active => Self::Each,
+            Self::Each => Self::Middle,
+        }
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Middle => "Middle",
+            Self::Active => "Active",
+            Self::Each => "Each",
+        }
+    }
 }
 
 /// What a person chose for the viewport.

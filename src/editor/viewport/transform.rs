@@ -109,8 +109,7 @@ fn nearest_axes(axes: &DMat3, before: &DMat3) -> ([usize; 3], [f64; 3]) {
     const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
     let cosine = |order: &[usize; 3], i: usize| axes.col(order[i]).dot(before.col(i));
     let closeness = |order: &[usize; 3]| (0..3).map(|i| cosine(order, i).abs()).sum::<f64>();
-    let order =
-        ORDERS.into_iter().max_by(|a, b| closeness(a).total_cmp(&closeness(b))).unwrap_or(ORDERS[0]);
+    let order = ORDERS.into_iter().max_by(|a, b| closeness(a).total_cmp(&closeness(b))).unwrap_or(ORDERS[0]);
     let mut signs = [0, 1, 2].map(|i| if cosine(&order, i) < 0.0 { -1.0 } else { 1.0 });
     let columns = [0, 1, 2].map(|i| signs[i] * axes.col(order[i]));
     if columns[0].cross(columns[1]).dot(columns[2]) < 0.0 {
@@ -151,7 +150,10 @@ mod tests {
 
     fn turned() -> Ellipsoid {
         let orientation = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.8);
-        Ellipsoid { orientation, ..Ellipsoid::new(DVec3::new(40.0, 900.0, -7.0), DVec3::new(90.0, 30.0, 50.0)) }
+        Ellipsoid {
+            orientation,
+            ..Ellipsoid::new(DVec3::new(40.0, 900.0, -7.0), DVec3::new(90.0, 30.0, 50.0))
+        }
     }
 
     /// How far points of the old surface, moved by `map`, are from the new one.
@@ -187,8 +189,7 @@ mod tests {
         assert!(after.radii.distance(DVec3::new(180.0, 30.0, 25.0)) < 1e-9);
         // The same axes under other names: a quarter turn about z.
         let frame = before.orientation * DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
-        let after =
-            Change::Scale { factors: DVec3::new(3.0, 1.0, 1.0), frame }.apply(before.center, &before);
+        let after = Change::Scale { factors: DVec3::new(3.0, 1.0, 1.0), frame }.apply(before.center, &before);
         assert!(after.radii.distance(DVec3::new(90.0, 90.0, 50.0)) < 1e-9);
         assert_eq!(after.orientation, before.orientation);
     }
