@@ -13,6 +13,7 @@ use super::{
     choosing::{Choosing, Purpose},
     dialogs::Shortcuts,
     files::Then,
+    form::name_widget,
     notices::Notices,
     palette::Palette,
     panels::{ObjectPanel, Outliner, PicturePanel, ViewPanel, Wish, WorldPanel},
@@ -228,7 +229,8 @@ impl Editor {
     fn inspector(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             for (tab, name) in [(Tab::Object, "Object"), (Tab::World, "World"), (Tab::View, "View")] {
-                ui.selectable_value(&mut self.tab, tab, name);
+                let response = ui.selectable_value(&mut self.tab, tab, name);
+                name_widget(ui, &response, &format!("{name} panel"));
             }
         });
         ui.separator();

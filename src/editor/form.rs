@@ -1,6 +1,8 @@
 //! Rows of fields: label, value, reset. Names are given here; help, range and unit come from
 //! the scene's schema.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
     self, Align, Color32, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric,
     vec2,
@@ -12,6 +14,9 @@ use super::{
     theme::LABEL_WIDTH,
     words::{Word, word},
 };
+
+/// Width of the number beside a slider, points.
+const VALUE_WIDTH: f32 = 66.0;
 
 /// Width kept for the button that resets a field, points.
 const RESET_WIDTH: f32 = 20.0;
@@ -53,13 +58,16 @@ impl<'a> Form<'a> {
         self.ui
     }
 
-    /// A number.
+    /// A number: a slider where the whole range is of use, else to be dragged.
     pub fn number(&mut self, path: &'static str, name: &'static str, value: &mut f64, default: f64) {
         let about = word(path);
-        let bounded = about.max - about.min <= SLIDER_SPAN;
-        let (before, help) = (*value, explained(about, &told(default, about.unit)));
+        if about.max - about.min <= SLIDER_SPAN {
+            return self.slider(path, name, value, default, about.min..=about.max);
+        }
+        let help = explained(about, &told(default, about.unit));
         self.row(path, name, &help, value, default, |ui, value| {
-            if bounded { slide(ui, about, value, before) } else { drag(ui, about, value, before) }
+            let speed = speed_at(*value, about);
+            named(ui, name, |ui| sized(ui, |ui| ui.add(number(value, about).speed(speed))))
         });
     }
 
@@ -71,23 +79,18 @@ impl<'a> Form<'a> {
         name: &'static str,
         value: &mut f64,
         default: f64,
-        usual: std::ops::RangeInclusive<f64>,
+        usual: RangeInclusive<f64>,
     ) {
         let about = word(path);
-        let usual = Word { min: *usual.start(), max: *usual.end(), ..about.clone() };
-        let (before, help) = (*value, explained(about, &told(default, about.unit)));
-        self.row(path, name, &help, value, default, |ui, value| {
-            let response = slide(ui, &usual, value, before);
-            *value = value.clamp(about.min, about.max);
-            response
-        });
+        let help = explained(about, &told(default, about.unit));
+        self.row(path, name, &help, value, default, |ui, value| slide(ui, name, about, value, usual));
     }
 
     /// A whole number.
     pub fn whole(&mut self, path: &'static str, name: &'static str, value: &mut u32, default: u32) {
         let help = explained(word(path), &default.to_string());
         self.row(path, name, &help, value, default, |ui, value| {
-            sized(ui, |ui| ui.add(DragValue::new(value).update_while_editing(false)))
+            named(ui, name, |ui| sized(ui, |ui| ui.add(DragValue::new(value).update_while_editing(false))))
         });
     }
 
@@ -148,14 +151,15 @@ impl<'a> Form<'a> {
     pub fn text(&mut self, path: &'static str, name: &'static str, value: &mut String, hint: &'static str) {
         let help = explained(word(path), "");
         self.row(path, name, &help, value, String::new(), |ui, value| {
-            ui.add(egui::TextEdit::singleline(value).hint_text(hint).desired_width(ui.available_width()))
+            let field = egui::TextEdit::singleline(value).hint_text(hint).desired_width(ui.available_width());
+            named(ui, name, |ui| ui.add(field))
         });
     }
 
     /// Yes or no.
     pub fn check(&mut self, path: &'static str, name: &'static str, value: &mut bool, default: bool) {
         let help = explained(word(path), if default { "yes" } else { "no" });
-        self.row(path, name, &help, value, default, |ui, value| ui.checkbox(value, ""));
+        self.row(path, name, &help, value, default, |ui, value| named(ui, name, |ui| ui.checkbox(value, "")));
     }
 
     /// One of several choices; each is a name, what it is, and the value that it begins with.
@@ -186,6 +190,7 @@ impl<'a> Form<'a> {
                     }
                 })
                 .response;
+            name_widget(ui, &response, name);
             if picked {
                 response.mark_changed();
             }
@@ -214,9 +219,9 @@ impl<'a> Form<'a> {
                     egui::Sense::hover(),
                 );
                 let [name_room, room, reset_room] = rooms(row);
-                let label = label(&mut room_in(ui, name_room), name).on_hover_text(help);
+                label(&mut room_in(ui, name_room), name).on_hover_text(help);
                 let mut inside = room_in(ui, room);
-                let response = widget(&mut inside, value).on_hover_text(help).labelled_by(label.id);
+                let response = widget(&mut inside, value).on_hover_text(help);
                 (response.id, differs && reset_button(&mut room_in(ui, reset_room), name))
             })
             .inner;
@@ -270,22 +275,32 @@ fn number<'a>(value: &'a mut f64, about: &Word) -> DragValue<'a> {
         .update_while_editing(false)
 }
 
-fn drag(ui: &mut Ui, about: &Word, value: &mut f64, before: f64) -> Response {
-    sized(ui, |ui| ui.add(number(value, about).speed(speed_at(before, about))))
+/// A slider over what is usual, and the number beside it.
+fn slide(ui: &mut Ui, name: &str, about: &Word, value: &mut f64, usual: RangeInclusive<f64>) -> Response {
+    let gap = ui.spacing().item_spacing.x;
+    ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - gap).max(40.0);
+    let span = usual.end() - usual.start();
+    let slider = Slider::new(value, usual).show_value(false).clamping(egui::SliderClamping::Never);
+    let slid = named(ui, &format!("{name} slider"), |ui| ui.add(slider));
+    if slid.changed() {
+        *value = rounded(*value, span).clamp(about.min, about.max);
+    }
+    let typed = named(ui, name, |ui| sized(ui, |ui| ui.add(number(value, about).speed(span * 2e-3))));
+    typed.union(slid)
 }
 
-fn slide(ui: &mut Ui, about: &Word, value: &mut f64, before: f64) -> Response {
-    let value_width = 62.0;
-    ui.spacing_mut().slider_width = (ui.available_width() - value_width - 8.0).max(40.0);
-    ui.spacing_mut().interact_size.x = value_width;
-    let range = about.min..=about.max.max(before);
-    ui.add(
-        Slider::new(value, range)
-            .suffix(about.unit)
-            .max_decimals(3)
-            .clamping(egui::SliderClamping::Never)
-            .update_while_editing(false),
-    )
+/// `value` to a thousandth of `span`: nobody means more digits by a slider.
+fn rounded(value: f64, span: f64) -> f64 {
+    let digits = -(span * 1e-3).log10().floor();
+    let scale = 10f64.powf(digits);
+    (value * scale).round() / scale
+}
+
+/// A widget with a name that is not on it.
+fn named(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let response = add(ui);
+    name_widget(ui, &response, name);
+    response
 }
 
 /// A number as wide as there is room.

@@ -31,7 +31,8 @@ impl Editor {
             ui.menu_button("Help", |ui| self.group(ui, "Help"));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let text = RichText::new(format!("{} Render", icon::IMAGE)).strong();
-                if ui.button(text).on_hover_text("Draws the final picture into a file.").clicked() {
+                let button = Button::new(text).fill(ui.visuals().selection.bg_fill).frame(true);
+                if ui.add(button).on_hover_text("Draws the final picture into a file.").clicked() {
                     self.perform(ui.ctx(), Action::Render);
                 }
                 self.quick(ui, Action::Redo, icon::ARROW_CLOCKWISE);
@@ -154,9 +155,7 @@ impl Editor {
         ui.horizontal(|ui| {
             ui.weak(self.selected());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let statistics = self.viewport.statistics();
-                let [width, height] = statistics.resolution;
-                ui.weak(format!("{width} x {height}, {}, {:.0} ms", statistics.quality, statistics.ms));
+                ui.weak(if self.document.is_dirty() { "not saved yet" } else { "" });
                 if let Some(job) = &self.job {
                     if ui.small_button("Cancel").clicked() {
                         job.cancel();

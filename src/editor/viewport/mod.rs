@@ -143,6 +143,11 @@ impl Viewport {
         }
     }
 
+    /// Where it was drawn last.
+    pub fn rect(&self) -> Rect {
+        self.rect
+    }
+
     /// The device that it draws with.
     pub fn gpu(&self) -> &Gpu {
         self.canvas.gpu()
