@@ -16,6 +16,8 @@ use crate::{
 const LINES: i32 = 24;
 /// Far enough to be the horizon, m.
 const FAR: f64 = 1e7;
+/// Radius of the Earth, m.
+const EARTH: f64 = 6.36e6;
 
 /// Outlines of what can be seen; those that are not selected only where `all`.
 pub fn outlines(
@@ -96,14 +98,15 @@ fn faded_line(painter: &Painter, lens: &Lens, [a, b]: [DVec3; 2], strength: f64)
     }
 }
 
-/// The horizon, with the compass on it.
-pub fn horizon(painter: &Painter, lens: &Lens) {
+/// The horizon as it is seen from above ground at `altitude`, with the compass on it.
+pub fn horizon(painter: &Painter, lens: &Lens, altitude: f64) {
     if lens.orthographic {
         return;
     }
+    let dip = -(1.0 - (EARTH / (EARTH + (lens.eye.y - altitude).max(0.0))).powi(2)).sqrt();
     let direction = |turns: f64| {
         let (sin, cos) = (TAU * turns).sin_cos();
-        DVec3::new(sin, 0.0, -cos)
+        DVec3::new(sin, dip, -cos)
     };
     let place = |turns: f64| lens.place(lens.eye + FAR * direction(turns));
     for i in 0..72 {
@@ -130,35 +133,20 @@ pub fn horizon(painter: &Painter, lens: &Lens) {
     }
 }
 
-/// Where the sun stands: a ring where it can be seen, else an arrow at the edge.
+/// Where the sun stands, where it can be seen.
 pub fn sun(painter: &Painter, lens: &Lens, to_sun: DVec3) {
-    let area = lens.rect.shrink(26.0);
-    let seen = lens.place(lens.eye + FAR * to_sun).filter(|at| area.contains(*at));
-    if let (Some(at), false) = (seen, lens.orthographic) {
-        ink::ring(painter, at, 9.0, 1.5, ink::SUN);
-        for i in 0..8 {
-            let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
-            painter.line_segment([at + 13.0 * ray, at + 17.0 * ray], Stroke::new(1.5, ink::SUN));
-        }
-        return;
+    let place = lens.place(lens.eye + FAR * to_sun).filter(|at| lens.rect.expand(20.0).contains(*at));
+    let (Some(at), false) = (place, lens.orthographic) else { return };
+    ink::ring(painter, at, 9.0, 1.5, ink::SUN);
+    for i in 0..8 {
+        let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
+        ink::line(painter, &[at + 13.0 * ray, at + 17.0 * ray], 1.5, ink::SUN);
     }
-    let toward = Vec2::new(to_sun.dot(lens.right) as f32, -to_sun.dot(lens.up) as f32);
-    if toward.length() < 1e-3 {
-        return;
-    }
-    let toward = toward.normalized();
-    let reach =
-        (0.5 * area.width() / toward.x.abs().max(1e-6)).min(0.5 * area.height() / toward.y.abs().max(1e-6));
-    let at = area.center() + reach * toward;
-    ink::disc(painter, at, 7.0, ink::SUN);
-    let across = toward.rot90();
-    let tip = vec![at + 19.0 * toward, at + 11.0 * toward + 5.0 * across, at + 11.0 * toward - 5.0 * across];
-    ink::area(painter, tip, ink::SUN);
 }
 
 /// The line of an axis through the pivot, right across the view.
 pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, color: Color32) {
-    let reach = 200.0 * lens.metres_per_point(pivot) * f64::from(lens.rect.height()).sqrt();
+    let reach = 2e4 * lens.metres_per_point(pivot);
     if let Some([a, b]) = lens.clip(pivot - reach * axis, pivot + reach * axis)
         && let [Some(a), Some(b)] = [a, b].map(|p| lens.place(p))
     {
