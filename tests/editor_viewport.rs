@@ -36,6 +36,8 @@ fn comes_to_rest_in_final_quality_and_then_does_nothing() {
     for _ in 0..5 {
         window.step();
     }
+    let asked = window.output().viewport_output[&eframe::egui::ViewportId::ROOT].repaint_delay;
+    assert!(asked > std::time::Duration::from_secs(3600), "asks to be drawn again in {asked:?}");
     // Moving the mouse over the picture draws outlines, but no clouds.
     window.hover_at(at(&window, 0));
     window.step();
@@ -263,6 +265,37 @@ fn pictures() {
     run(&mut window, ViewCommand::LookFrom(Side::Top));
     rest(&mut window);
     shoot(&mut window, "top");
+    window.set_size(vec2(430.0, 300.0));
+    window.state_mut().document.select(Selection::default());
+    run(&mut window, ViewCommand::FrameAll);
+    rest(&mut window);
+    shoot(&mut window, "narrow");
+    let mut window = open(two_lumps(), vec2(900.0, 560.0));
+    window.state_mut().viewport.settings.largest = 300;
+    rest(&mut window);
+    run(&mut window, ViewCommand::LookFrom(Side::Right));
+    window.run_steps(30);
+    let place = vec2(450.0, 300.0).to_pos2();
+    window.hover_at(place);
+    window.step();
+    for pressed in [true, false] {
+        let button = PointerButton::Middle;
+        window.event(Event::PointerButton { pos: place, button, pressed, modifiers: Modifiers::NONE });
+        window.step();
+        window.hover_at(place + vec2(60.0, 30.0));
+        window.step();
+    }
+    rest(&mut window);
+    window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 0 }));
+    window.key_press(Key::G);
+    window.step();
+    window.key_press(Key::Y);
+    window.key_press(Key::Num9);
+    window.key_press(Key::Num0);
+    window.step();
+    window.step();
+    rest(&mut window);
+    shoot(&mut window, "typing");
 }
 
 #[test]

@@ -127,6 +127,7 @@ impl Canvas {
     /// Draws with `gpu` into textures that `egui` shows.
     pub fn new(gpu: Gpu, egui: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
+        let pace = if gpu.adapter.kind == "Cpu" { Pace::SLOW } else { Pace::default() };
         Self {
             renderer,
             resolve: Resolve::default(),
@@ -135,8 +136,8 @@ impl Canvas {
             exposure: 0.0,
             stage: Stage::Moving,
             rest_at: Instant::now(),
-            moving: Pace::default(),
-            editing: Pace::default(),
+            moving: pace,
+            editing: pace,
             helping: Helping::default(),
             light_resolution: Quality::DRAFT.light_resolution,
             work: None,

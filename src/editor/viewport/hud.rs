@@ -2,7 +2,8 @@
 //! now, how far the picture has come.
 
 use eframe::egui::{
-    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Ui, UiBuilder, Visuals, pos2, vec2,
+    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Ui, UiBuilder, Visuals, WidgetInfo,
+    WidgetType, pos2, vec2,
 };
 use egui_phosphor::regular as icon;
 
@@ -251,6 +252,7 @@ fn button(ui: &mut Ui, icon: &str, on: bool, command: ViewCommand) -> bool {
     let response = ui.add(button);
     match commands::find(command) {
         Some(entry) => {
+            response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, entry.name));
             let keys = entry.shortcut.map(|keys| ui.ctx().format_shortcut(&keys));
             let keys = keys.map_or(String::new(), |keys| format!("  ({keys})"));
             response.on_hover_text(format!("{}{keys}\n{}", entry.name, entry.help)).clicked()

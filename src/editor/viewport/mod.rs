@@ -25,7 +25,7 @@ mod truth;
 
 use std::time::Duration;
 
-use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, pos2};
+use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, WidgetType, pos2};
 
 pub use canvas::{Canvas, Stage, Subject};
 pub use commands::{COMMANDS, Entry, ViewCommand, find};
@@ -113,6 +113,7 @@ impl Viewport {
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
         self.rect = whole_pixels(ui.available_rect_before_wrap(), ui.pixels_per_point());
         let response = ui.allocate_rect(self.rect, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Viewport"));
         if !self.opened {
             self.look_through(document);
         }
@@ -305,6 +306,9 @@ impl Viewport {
         if self.settings.grid && self.shows_light() {
             overlay::grid(painter, &world, scene.ground.altitude, self.view.pivot, self.view.distance);
             overlay::horizon(painter, &world, scene.ground.altitude);
+            if let Some(camera) = &scene.camera {
+                overlay::camera(painter, &world, camera);
+            }
         }
         let hover = self.hover.ellipsoid;
         overlay::outlines(painter, &lens, scene, selection, hover, self.settings.outlines);

@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::{ink, lens::Lens, operation::nice, outline, pick};
 use crate::{
     editor::{EllipsoidId, Selection},
-    scene::Scene,
+    scene::{Camera, Scene},
 };
 
 /// Lines of the grid on either side of its middle.
@@ -142,6 +142,31 @@ pub fn sun(painter: &Painter, lens: &Lens, to_sun: DVec3) {
         let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
         ink::line(painter, &[at + 13.0 * ray, at + 17.0 * ray], 1.5, ink::SUN);
     }
+}
+
+/// The scene's camera as seen from elsewhere: what a picture of 16 by 9 would hold.
+pub fn camera(painter: &Painter, lens: &Lens, camera: &Camera) {
+    const ASPECT: f64 = 16.0 / 9.0;
+    let size = 46.0 * lens.metres_per_point(camera.position);
+    if lens.depth(camera.position) < 0.05 * size && !lens.orthographic {
+        return;
+    }
+    let turn = camera.world_from_camera();
+    let half = camera.projection.vertical_fov(ASPECT).map_or(0.5, |fov| (0.5 * fov).tan()).clamp(0.15, 1.0);
+    let corner =
+        |x: f64, y: f64| camera.position + size * (turn * DVec3::new(x * half * ASPECT, y * half, -1.0));
+    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let up = [corner(-0.35, 1.15), corner(0.35, 1.15), corner(0.0, 1.6)];
+    let line = |a: DVec3, b: DVec3| {
+        if let Some([Some(a), Some(b)]) = lens.clip(a, b).map(|ends| ends.map(|p| lens.place(p))) {
+            ink::line(painter, &[a, b], 1.2, ink::WORDS);
+        }
+    };
+    for i in 0..4 {
+        line(corners[i], corners[(i + 1) % 4]);
+        line(camera.position, corners[i]);
+    }
+    (0..3).for_each(|i| line(up[i], up[(i + 1) % 3]));
 }
 
 /// The line of an axis through the pivot, right across the view.
