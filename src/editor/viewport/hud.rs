@@ -113,12 +113,12 @@ impl Viewport {
     }
 
     fn bar_width(&self) -> f32 {
-        // What the bar holds, or what there is room for beside the compass.
-        362.0f32.min(self.rect.width() - 180.0)
+        // All of it, or only the buttons where there is no room beside the compass.
+        if self.rect.width() > 362.0 + 180.0 { 362.0 } else { 163.0 }
     }
 
     fn bar(&mut self, ui: &mut Ui) -> Option<ViewCommand> {
-        let truth = self.truth.is_some();
+        let (truth, narrow) = (self.truth.is_some(), self.bar_width() < 300.0);
         let settings = &mut self.settings;
         let mut chosen = None;
         let toggles = [
@@ -133,7 +133,7 @@ impl Viewport {
                 chosen = Some(command);
             }
         }
-        if self.rect.width() < 430.0 {
+        if narrow {
             return chosen;
         }
         let pivot = ComboBox::from_id_salt("nephos pivot").width(64.0).selected_text(settings.pivot.name());

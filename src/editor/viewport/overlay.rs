@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use eframe::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 use glam::DVec3;
 
 use super::{ink, lens::Lens, operation::nice, outline, pick};
@@ -116,20 +116,15 @@ pub fn horizon(painter: &Painter, lens: &Lens, altitude: f64) {
         }
     }
     for (i, name) in ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate() {
-        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(12.0).contains(*at)) else {
+        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(14.0).contains(*at)) else {
             continue;
         };
+        let badge = at - Vec2::new(0.0, 13.0);
         painter
-            .line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(110)));
-        let size = if i % 2 == 0 { 12.0 } else { 10.0 };
-        ink::words(
-            painter,
-            at - Vec2::new(0.0, 5.0),
-            Align2::CENTER_BOTTOM,
-            size,
-            Color32::from_white_alpha(170),
-            name,
-        );
+            .line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(120)));
+        let half = Vec2::new(if name.len() > 1 { 11.0 } else { 8.0 }, 8.0);
+        painter.rect_filled(Rect::from_center_size(badge, 2.0 * half), 8.0, Color32::from_black_alpha(120));
+        painter.text(badge, Align2::CENTER_CENTER, name, FontId::proportional(10.5), Color32::from_gray(225));
     }
 }
 
@@ -191,12 +186,12 @@ pub fn tether(painter: &Painter, from: Pos2, to: Pos2) {
 }
 
 /// The box that selects.
-pub fn selection_box(painter: &Painter, area: eframe::egui::Rect) {
+pub fn selection_box(painter: &Painter, area: Rect) {
     painter.rect(
         area,
         0.0,
         ink::HOVER.gamma_multiply(0.12),
         Stroke::new(1.0, ink::HOVER),
-        eframe::egui::StrokeKind::Middle,
+        StrokeKind::Middle,
     );
 }
