@@ -4,12 +4,17 @@
 
 mod common;
 
-use common::window::{App, at, lump, open, rest, run, shoot, two_lumps};
+use common::window::{App, at, lump, open, rest, rest_until, run, shoot, two_lumps};
 use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use glam::DVec3;
-use nephos::editor::{
-    EllipsoidId, Selection,
-    viewport::{Axes, Side, Tool, ViewCommand},
+use nephos::{
+    editor::{
+        EllipsoidId, Selection,
+        viewport::{Axes, Layer, Side, Tool, ViewCommand},
+    },
+    export::Picture,
+    render::{Frame, Renderer, Target},
+    scene::{Phase, Scene},
 };
 
 const TINY: eframe::egui::Vec2 = vec2(160.0, 90.0);
@@ -31,6 +36,8 @@ fn comes_to_rest_in_final_quality_and_then_does_nothing() {
     for _ in 0..5 {
         window.step();
     }
+    let asked = window.output().viewport_output[&eframe::egui::ViewportId::ROOT].repaint_delay;
+    assert!(asked > std::time::Duration::from_secs(3600), "asks to be drawn again in {asked:?}");
     // Moving the mouse over the picture draws outlines, but no clouds.
     window.hover_at(at(&window, 0));
     window.step();
@@ -258,4 +265,133 @@ fn pictures() {
     run(&mut window, ViewCommand::LookFrom(Side::Top));
     rest(&mut window);
     shoot(&mut window, "top");
+    window.set_size(vec2(430.0, 300.0));
+    window.state_mut().document.select(Selection::default());
+    run(&mut window, ViewCommand::FrameAll);
+    rest(&mut window);
+    shoot(&mut window, "narrow");
+    let mut window = open(two_lumps(), vec2(900.0, 560.0));
+    window.state_mut().viewport.settings.largest = 300;
+    rest(&mut window);
+    run(&mut window, ViewCommand::LookFrom(Side::Right));
+    window.run_steps(30);
+    let place = vec2(450.0, 300.0).to_pos2();
+    window.hover_at(place);
+    window.step();
+    for pressed in [true, false] {
+        let button = PointerButton::Middle;
+        window.event(Event::PointerButton { pos: place, button, pressed, modifiers: Modifiers::NONE });
+        window.step();
+        window.hover_at(place + vec2(60.0, 30.0));
+        window.step();
+    }
+    rest(&mut window);
+    window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 0 }));
+    window.key_press(Key::G);
+    window.step();
+    window.key_press(Key::Y);
+    window.key_press(Key::Num9);
+    window.key_press(Key::Num0);
+    window.step();
+    window.step();
+    rest(&mut window);
+    shoot(&mut window, "typing");
+}
+
+#[test]
+fn truth_converges_beside_the_preview_and_tells_how_far_that_is() {
+    // Without the peak of droplets, whose rare bright paths need thousands of samples.
+    let mut scene = two_lumps();
+    scene.clouds[0].droplets.phase = Phase::HenyeyGreenstein { g: 0.5 };
+    let mut window = open(scene, vec2(320.0, 180.0));
+    window.state_mut().viewport.settings.truth_pixels = 64 * 36;
+    run(&mut window, ViewCommand::ToggleTruth);
+    rest_until(&mut window, |app| app.viewport.comparison().is_some());
+    let first = window.state().viewport.comparison().unwrap();
+    assert!(first.numbers.pixels > 20 && first.samples >= 9);
+    rest_until(&mut window, |app| {
+        app.viewport.comparison().is_some_and(|now| now.samples >= 4 * first.samples)
+    });
+    let later = window.state().viewport.comparison().unwrap();
+    // Noise goes with the root of the samples: half of it at four times as many. Early
+    // errors of errors are large.
+    assert!(later.numbers.noise < 0.7 * first.numbers.noise, "{first:?} {later:?}");
+    // The preview's error against truth that the README tells is about a tenth.
+    assert!(later.numbers.without_noise() < 0.35 && later.numbers.bias.abs() < 0.3, "{later:?}");
+    // The line between them is dragged without moving anything else.
+    let camera = window.state().viewport.camera();
+    let line = vec2(160.0, 60.0).to_pos2();
+    window.hover_at(line);
+    window.step();
+    window.drag_at(line);
+    window.step();
+    window.hover_at(line + vec2(64.0, 0.0));
+    window.step();
+    window.drop_at(line + vec2(64.0, 0.0));
+    window.step();
+    let viewport = &window.state().viewport;
+    assert!((viewport.settings.split - 0.7).abs() < 0.03, "{}", viewport.settings.split);
+    assert_eq!(viewport.camera(), camera);
+    run(&mut window, ViewCommand::ToggleTruth);
+    rest(&mut window);
+    assert!(window.state().viewport.comparison().is_none());
+    assert_eq!(window.state().viewport.statistics().resolution, [320, 180]);
+}
+
+#[test]
+#[ignore = "makes pictures to look at"]
+fn pictures_of_layers() {
+    let scene = nephos::scene::Preset::Congestus.scene(7);
+    let mut window = open(scene, vec2(800.0, 500.0));
+    window.state_mut().viewport.settings.largest = 320;
+    window.state_mut().viewport.settings.outlines = false;
+    for (layer, name, _) in Layer::ALL {
+        run(&mut window, ViewCommand::Show(layer));
+        rest(&mut window);
+        shoot(&mut window, &format!("layer {name}"));
+    }
+}
+
+#[test]
+#[ignore = "makes pictures to look at"]
+fn pictures_of_truth() {
+    let scene = nephos::scene::Preset::Congestus.scene(7);
+    let mut window = open(scene, vec2(800.0, 500.0));
+    window.state_mut().viewport.settings.outlines = false;
+    run(&mut window, ViewCommand::ToggleTruth);
+    rest_until(&mut window, |app| app.viewport.comparison().is_some_and(|now| now.samples >= 48));
+    shoot(&mut window, "truth");
+    run(&mut window, ViewCommand::ToggleErrorMap);
+    window.step();
+    shoot(&mut window, "error");
+}
+
+#[test]
+fn the_final_picture_is_what_the_renderer_gives() {
+    let mut window = open(two_lumps(), vec2(96.0, 54.0));
+    let settings = &mut window.state_mut().viewport.settings;
+    (settings.outlines, settings.grid) = (false, false);
+    rest(&mut window);
+    let seen = window.render().unwrap();
+    // As `nephos render` does it in final quality: four rays a pixel, made one, composed.
+    let app = window.state();
+    let gpu = app.viewport.gpu();
+    let scene = Scene { camera: Some(app.viewport.camera()), ..app.document.scene().clone() };
+    let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
+    let frame = Frame::new(&scene, [192, 108]).unwrap();
+    let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+    let target = Target { color: &linear.create_view(&Default::default()), depth: None, sky: true };
+    renderer.render_in_pieces(gpu, &frame, &target, &mut |_| ()).unwrap();
+    let picture = Picture::read(gpu, &linear).unwrap().reduced(2).upload(gpu);
+    let screen = renderer.picture("screen", [96, 54], wgpu::TextureFormat::Rgba8Unorm);
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let [from, to] = [&picture, &screen].map(|texture| texture.create_view(&Default::default()));
+    renderer.compose(&mut encoder, &from, &to, wgpu::TextureFormat::Rgba8Unorm, scene.exposure);
+    gpu.queue.submit([encoder.finish()]);
+    let expected = nephos::gpu::read_texture(gpu, &screen, 0).unwrap();
+    // Half floats between the passes, and egui's own rounding: a step of 255 each.
+    let worst = seen.as_raw().iter().zip(&expected).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    assert!(worst <= 2, "{worst}");
+    // The cloud is there.
+    assert!(seen.pixels().any(|pixel| pixel[0] > 150));
 }

@@ -63,15 +63,20 @@ pub fn open(scene: Scene, size: Vec2) -> Window<'static> {
 
 /// Steps until nothing asks for another frame.
 pub fn rest(window: &mut Window<'_>) {
+    rest_until(window, |app| app.viewport.at_rest());
+}
+
+/// Lets the hand rest and steps until something is so.
+pub fn rest_until(window: &mut Window<'_>, so: impl Fn(&App) -> bool) {
     window.step();
     std::thread::sleep(std::time::Duration::from_millis(180));
     for _ in 0..4000 {
         window.step();
-        if window.state().viewport.at_rest() {
+        if so(window.state()) {
             return;
         }
     }
-    panic!("the viewport never comes to rest");
+    panic!("it never comes to that");
 }
 
 /// Where the centre of an ellipsoid is on the screen.

@@ -16,6 +16,7 @@ use super::{
 };
 use crate::{
     Result,
+    export::Picture,
     gpu::{Gpu, Timing},
     render::{Frame, Layers, Pieces, Quality, Renderer, Resolve, Shown, Target},
     scene::{Camera, Scene},
@@ -49,7 +50,7 @@ impl Subject {
         Frame::new(&Scene { camera: Some(self.camera.clone()), ..Scene::clone(&self.scene) }, size)
     }
 
-    fn same_scene(&self, other: &Self) -> bool {
+    pub(super) fn same_scene(&self, other: &Self) -> bool {
         if Arc::ptr_eq(&self.scene, &other.scene) {
             return true;
         }
@@ -58,7 +59,7 @@ impl Subject {
         seen(&self.scene) == seen(&other.scene)
     }
 
-    fn same_view(&self, other: &Self) -> bool {
+    pub(super) fn same_view(&self, other: &Self) -> bool {
         (&self.camera, self.size, self.layer, self.rays)
             == (&other.camera, other.size, other.layer, other.rays)
     }
@@ -92,6 +93,13 @@ enum Source {
     Cost(wgpu::Texture),
 }
 
+/// A texture that egui shows.
+pub struct Screen {
+    texture: wgpu::Texture,
+    /// Its name for egui.
+    pub id: TextureId,
+}
+
 /// Keeps what is shown and draws it anew as needed.
 pub struct Canvas {
     gpu: Gpu,
@@ -108,7 +116,7 @@ pub struct Canvas {
     light_resolution: u32,
     work: Option<Work>,
     linear: Option<wgpu::Texture>,
-    screen: Option<(wgpu::Texture, TextureId)>,
+    screen: Option<Screen>,
     /// Why there is no new picture.
     pub error: Option<String>,
     /// What was drawn and how long it took.
@@ -119,6 +127,7 @@ impl Canvas {
     /// Draws with `gpu` into textures that `egui` shows.
     pub fn new(gpu: Gpu, egui: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
+        let pace = if gpu.adapter.kind == "Cpu" { Pace::SLOW } else { Pace::default() };
         Self {
             renderer,
             resolve: Resolve::default(),
@@ -127,8 +136,8 @@ impl Canvas {
             exposure: 0.0,
             stage: Stage::Moving,
             rest_at: Instant::now(),
-            moving: Pace::default(),
-            editing: Pace::default(),
+            moving: pace,
+            editing: pace,
             helping: Helping::default(),
             light_resolution: Quality::DRAFT.light_resolution,
             work: None,
@@ -142,12 +151,17 @@ impl Canvas {
 
     /// The picture for egui.
     pub fn image(&self) -> Option<TextureId> {
-        self.screen.as_ref().map(|(_, id)| *id)
+        self.screen.as_ref().map(|screen| screen.id)
     }
 
     /// The linear picture that is shown, and how far it has come.
     pub fn picture(&self) -> Option<(&wgpu::Texture, Stage)> {
         Some((self.linear.as_ref()?, self.stage))
+    }
+
+    /// What is seen.
+    pub fn subject(&self) -> Option<&Subject> {
+        self.subject.as_ref()
     }
 
     /// The device that it draws with.
@@ -318,7 +332,9 @@ impl Canvas {
             (Source::Layers(layers), _) => (&layers.single, Shown::Light),
         };
         let source = (&view(source), work.rays, shown);
-        let screen = self.screen(size);
+        let mut slot = self.screen.take();
+        let screen = self.fit(&mut slot, size);
+        self.screen = slot;
         let mut encoder = self.encoder();
         if matches!(shown, Shown::Beauty | Shown::Light) {
             let linear = self.renderer.picture("viewport", size, LINEAR);
@@ -337,15 +353,45 @@ impl Canvas {
 
     /// Only the exposure changed.
     fn compose_again(&mut self) {
-        let (Some(linear), Some((screen, _))) = (&self.linear, &self.screen) else { return };
+        let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
+            return;
+        };
         let mut encoder = self.encoder();
         self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, self.exposure);
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    /// The texture that egui shows, of this size.
-    fn screen(&mut self, size: [u32; 2]) -> TextureView {
-        if let Some((texture, _)) = &self.screen
+    /// Finishes a linear picture for the screen.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn compose_into(
+        &mut self,
+        slot: &mut Option<Screen>,
+        linear: &wgpu::Texture,
+        exposure: f64,
+    ) -> Result<()> {
+        let screen = self.fit(slot, [linear.width(), linear.height()]);
+        let mut encoder = self.encoder();
+        self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, exposure);
+        self.submit(encoder)
+    }
+
+    /// What is behind the clouds of `frame`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn sky(&mut self, frame: &Frame) -> Result<Picture> {
+        let sky = self.renderer.picture("sky", frame.size(), LINEAR);
+        let mut encoder = self.encoder();
+        self.renderer.render_sky(&mut encoder, frame, &view(&sky));
+        self.submit(encoder)?;
+        Picture::read(&self.gpu, &sky)
+    }
+
+    /// The texture of a slot, made anew where its size is another.
+    fn fit(&self, slot: &mut Option<Screen>, size: [u32; 2]) -> TextureView {
+        if let Some(Screen { texture, .. }) = slot
             && [texture.width(), texture.height()] == size
         {
             return view(texture);
@@ -354,14 +400,14 @@ impl Canvas {
         let target = view(&texture);
         let filter = wgpu::FilterMode::Linear;
         let mut egui = self.egui.write();
-        let id = match self.screen.take() {
-            Some((_, id)) => {
+        let id = match slot.take() {
+            Some(Screen { id, .. }) => {
                 egui.update_egui_texture_from_wgpu_texture(&self.gpu.device, &target, filter, id);
                 id
             }
             None => egui.register_native_texture(&self.gpu.device, &target, filter),
         };
-        self.screen = Some((texture, id));
+        *slot = Some(Screen { texture, id });
         target
     }
 

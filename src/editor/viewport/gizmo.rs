@@ -170,7 +170,7 @@ impl Gizmo {
 
     fn draw_rings(&self, painter: &Painter, lens: &Lens, center: DVec2, lit: Option<Constraint>) {
         let (alpha, color) = shade(lit, Constraint::Free, ink::WORDS);
-        ink::ring(painter, pos(center), SCREEN_RING as f32, 1.5, color.gamma_multiply(0.7 * alpha));
+        ink::ring(painter, pos(center), SCREEN_RING as f32, 2.0, color.gamma_multiply(alpha));
         for axis in 0..3 {
             let (alpha, color) = shade(lit, Constraint::Axis(axis), ink::AXIS[axis]);
             let whole: Vec<_> =

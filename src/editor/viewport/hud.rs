@@ -2,7 +2,8 @@
 //! now, how far the picture has come.
 
 use eframe::egui::{
-    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Ui, UiBuilder, Visuals, pos2, vec2,
+    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Ui, UiBuilder, Visuals, WidgetInfo,
+    WidgetType, pos2, vec2,
 };
 use egui_phosphor::regular as icon;
 
@@ -20,6 +21,8 @@ use super::{
 };
 use crate::{editor::Document, render::HeatMap};
 
+/// Height of the strip of words at the bottom, points.
+const STRIP: f32 = 22.0;
 /// From the edge of the viewport, points.
 const MARGIN: f32 = 10.0;
 
@@ -68,14 +71,16 @@ impl Viewport {
             ui.ctx().request_repaint();
         }
         self.tools(ui, document);
+        self.strip(&painter);
         self.state(&painter);
         self.legend(&painter);
+        self.tell_truth(&painter);
         self.hints(&painter, document);
     }
 
     /// Buttons down the left edge, and a bar on top.
     fn tools(&mut self, ui: &mut Ui, document: &mut Document) {
-        let column = Rect::from_min_size(self.rect.min + vec2(MARGIN, MARGIN), vec2(34.0, 148.0));
+        let column = Rect::from_min_size(self.rect.min + vec2(MARGIN, MARGIN), vec2(34.0, 127.0));
         ink::panel(ui.painter(), column);
         let mut chosen = None;
         over(ui, column.shrink(3.0), |ui| {
@@ -108,11 +113,12 @@ impl Viewport {
     }
 
     fn bar_width(&self) -> f32 {
-        // What the bar holds, or what there is room for beside the compass.
-        330.0f32.min(self.rect.width() - 180.0)
+        // All of it, or only the buttons where there is no room beside the compass.
+        if self.rect.width() > 362.0 + 180.0 { 362.0 } else { 163.0 }
     }
 
     fn bar(&mut self, ui: &mut Ui) -> Option<ViewCommand> {
+        let (truth, narrow) = (self.truth.is_some(), self.bar_width() < 300.0);
         let settings = &mut self.settings;
         let mut chosen = None;
         let toggles = [
@@ -120,13 +126,14 @@ impl Viewport {
             (icon::MAGNET_STRAIGHT, icon::MAGNET_STRAIGHT, settings.snap, ViewCommand::ToggleSnap),
             (icon::CIRCLE_DASHED, icon::CIRCLE_DASHED, settings.outlines, ViewCommand::ToggleOutlines),
             (icon::GRID_FOUR, icon::GRID_FOUR, settings.grid, ViewCommand::ToggleGrid),
+            (icon::SQUARE_SPLIT_HORIZONTAL, icon::SQUARE_SPLIT_HORIZONTAL, truth, ViewCommand::ToggleTruth),
         ];
         for (off, on, state, command) in toggles {
             if button(ui, if state { on } else { off }, state, command) {
                 chosen = Some(command);
             }
         }
-        if self.rect.width() < 430.0 {
+        if narrow {
             return chosen;
         }
         let pivot = ComboBox::from_id_salt("nephos pivot").width(64.0).selected_text(settings.pivot.name());
@@ -147,6 +154,12 @@ impl Viewport {
         chosen
     }
 
+    /// The dark strip at the bottom that words lie on.
+    fn strip(&self, painter: &Painter) {
+        let area = Rect::from_min_max(pos2(self.rect.left(), self.rect.bottom() - STRIP), self.rect.max);
+        painter.rect_filled(area, 0.0, Color32::from_black_alpha(120));
+    }
+
     /// How far the picture has come, at the bottom right.
     fn state(&self, painter: &Painter) {
         let statistics = &self.canvas.statistics;
@@ -157,8 +170,8 @@ impl Viewport {
             String::new()
         };
         let text = format!("{width} × {height}{rays}   {}   {}", statistics.quality, duration(statistics.ms));
-        let at = self.rect.right_bottom() - vec2(MARGIN, MARGIN);
-        ink::words(painter, at, Align2::RIGHT_BOTTOM, 11.0, Color32::from_white_alpha(190), &text);
+        let at = self.rect.right_bottom() - vec2(MARGIN, 0.5 * STRIP);
+        ink::words(painter, at, Align2::RIGHT_CENTER, 11.0, Color32::from_gray(205), &text);
         if let Some(error) = &self.canvas.error {
             let galley = painter.layout(
                 error.clone(),
@@ -181,7 +194,7 @@ impl Viewport {
 
     /// The colours of the cost layer.
     fn legend(&self, painter: &Painter) {
-        if self.settings.layer == Layer::Cost {
+        if self.settings.layer == Layer::Cost && self.truth.is_none() {
             let at = self.rect.right_bottom() - vec2(MARGIN + 190.0, 66.0);
             let color = |x: f32| HeatMap::color(x);
             let ticks: Vec<_> = [0.0, 10.0, 100.0, 1000.0]
@@ -196,19 +209,12 @@ impl Viewport {
         if !self.settings.hints || self.rect.width() < 560.0 {
             return;
         }
-        let at = self.rect.left_bottom() + vec2(MARGIN, -MARGIN);
-        ink::words(
-            painter,
-            at,
-            Align2::LEFT_BOTTOM,
-            11.5,
-            Color32::from_white_alpha(205),
-            &self.hint(document),
-        );
+        let at = self.rect.left_bottom() + vec2(MARGIN, -0.5 * STRIP);
+        ink::words(painter, at, Align2::LEFT_CENTER, 11.5, Color32::from_gray(225), self.hint(document));
     }
 
-    fn hint(&self, document: &Document) -> String {
-        let hint = match (&self.operation, self.hand, self.boxing) {
+    fn hint(&self, document: &Document) -> &'static str {
+        match (&self.operation, self.hand, self.boxing) {
             (Some(operation), ..) if operation.dragged => {
                 "Drag   Ctrl snaps   Shift slower   X Y Z axis   type a number   Esc cancels"
             }
@@ -227,8 +233,7 @@ impl Viewport {
             _ => {
                 "G move   R rotate   S scale   F frame   Shift+click adds   Ctrl+click cloud   Middle or Alt+drag orbits"
             }
-        };
-        hint.to_owned()
+        }
     }
 }
 
@@ -247,6 +252,7 @@ fn button(ui: &mut Ui, icon: &str, on: bool, command: ViewCommand) -> bool {
     let response = ui.add(button);
     match commands::find(command) {
         Some(entry) => {
+            response.widget_info(|| WidgetInfo::selected(WidgetType::Button, true, on, entry.name));
             let keys = entry.shortcut.map(|keys| ui.ctx().format_shortcut(&keys));
             let keys = keys.map_or(String::new(), |keys| format!("  ({keys})"));
             response.on_hover_text(format!("{}{keys}\n{}", entry.name, entry.help)).clicked()

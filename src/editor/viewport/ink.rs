@@ -13,13 +13,13 @@ pub const ACTIVE: Color32 = Color32::from_rgb(255, 205, 90);
 /// What the cursor is over.
 pub const HOVER: Color32 = Color32::from_rgb(140, 215, 255);
 /// What is not selected.
-pub const QUIET: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
+pub const QUIET: Color32 = Color32::from_rgba_premultiplied(120, 120, 120, 120);
 /// The sun.
 pub const SUN: Color32 = Color32::from_rgb(255, 222, 120);
 /// Words.
 pub const WORDS: Color32 = Color32::from_rgb(240, 240, 240);
 const RIM: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
-const PLATE: Color32 = Color32::from_rgba_premultiplied(14, 16, 19, 205);
+const PLATE: Color32 = Color32::from_rgba_premultiplied(17, 20, 24, 222);
 
 /// A line through points, with its rim.
 pub fn line(painter: &Painter, points: &[Pos2], width: f32, color: Color32) {
@@ -47,10 +47,8 @@ pub fn ring(painter: &Painter, at: Pos2, radius: f32, width: f32, color: Color32
 /// Words with a shadow.
 pub fn words(painter: &Painter, at: Pos2, align: Align2, size: f32, color: Color32, text: &str) -> Rect {
     let font = FontId::proportional(size);
-    let shadow = RIM.gamma_multiply(f32::from(color.a()) / 255.0);
-    for offset in [Vec2::new(1.0, 1.0), Vec2::new(-1.0, 0.0), Vec2::new(0.0, -1.0)] {
-        painter.text(at + offset, align, text, font.clone(), shadow);
-    }
+    let shadow = Color32::from_black_alpha(150);
+    painter.text(at + Vec2::new(0.5, 1.0), align, text, font.clone(), shadow);
     painter.text(at, align, text, font, color)
 }
 

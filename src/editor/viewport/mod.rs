@@ -3,7 +3,9 @@
 
 mod canvas;
 mod commands;
+mod compare;
 mod compass;
+mod error_map;
 mod gizmo;
 mod hand;
 mod hud;
@@ -19,13 +21,15 @@ mod pick;
 mod settings;
 mod statistics;
 mod transform;
+mod truth;
 
 use std::time::Duration;
 
-use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, pos2};
+use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, WidgetType, pos2};
 
 pub use canvas::{Canvas, Stage, Subject};
 pub use commands::{COMMANDS, Entry, ViewCommand, find};
+pub use error_map::Numbers;
 pub use lens::{Lens, Ray};
 pub use navigation::{Navigation, Side};
 pub use settings::{Axes, Layer, Pivot, Tool, ViewSettings};
@@ -35,6 +39,7 @@ use self::{
     hand::Hand,
     mouse::{Boxing, Hover},
     operation::{Kind, Operation},
+    truth::Truth,
 };
 use super::Document;
 use crate::{
@@ -61,6 +66,16 @@ pub struct Viewport {
     wish: Option<Kind>,
     operation: Option<Operation>,
     canvas: Canvas,
+    truth: Option<Truth>,
+}
+
+/// The preview against the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Comparison {
+    /// Samples of each pixel of the truth.
+    pub samples: u32,
+    /// How far they are from each other.
+    pub numbers: Numbers,
 }
 
 /// A way from one view to another.
@@ -90,6 +105,7 @@ impl Viewport {
             wish: None,
             operation: None,
             canvas: Canvas::new(gpu, render_state.renderer.clone()),
+            truth: None,
         }
     }
 
@@ -97,6 +113,7 @@ impl Viewport {
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
         self.rect = whole_pixels(ui.available_rect_before_wrap(), ui.pixels_per_point());
         let response = ui.allocate_rect(self.rect, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Viewport"));
         if !self.opened {
             self.look_through(document);
         }
@@ -106,6 +123,7 @@ impl Viewport {
         let painter = ui.painter_at(self.rect);
         self.draw_picture(ui, &painter, document);
         self.draw_over(ui, &painter, document);
+        self.divide(ui);
         self.hud(ui, document);
     }
 
@@ -138,7 +156,8 @@ impl Viewport {
             ToggleOutlines => self.settings.outlines ^= true,
             ToggleGrid => self.settings.grid ^= true,
             Show(layer) => self.settings.layer = layer,
-            ToggleTruth | ToggleErrorMap => {}
+            ToggleTruth => self.truth = if self.truth.is_none() { Some(Truth::default()) } else { None },
+            ToggleErrorMap => self.toggle_error_map(),
             ToggleMeasure => self.settings.measure ^= true,
         }
     }
@@ -158,9 +177,16 @@ impl Viewport {
         &self.canvas.statistics
     }
 
+    /// How far the preview is from the truth, where that is shown.
+    pub fn comparison(&self) -> Option<Comparison> {
+        let (samples, numbers) = self.truth.as_ref()?.numbers()?;
+        Some(Comparison { samples, numbers })
+    }
+
     /// Whether the picture is final and nothing asks for another frame.
     pub fn at_rest(&self) -> bool {
-        self.canvas.at_rest() && self.glide.is_none()
+        let truth = self.truth.as_ref().is_none_or(Truth::done);
+        self.canvas.at_rest() && self.glide.is_none() && truth
     }
 
     /// Whether all keys belong to the viewport now: an axis or a number is expected, or
@@ -246,7 +272,7 @@ impl Viewport {
             scene: document.shared_scene(),
             camera: self.view.camera(self.aspect()),
             size: self.pixels(ui.pixels_per_point()),
-            layer: self.settings.layer,
+            layer: if self.truth.is_some() { Layer::Beauty } else { self.settings.layer },
             rays: 2,
         };
         let budget = Duration::from_secs_f64(1.0 / self.settings.frames_per_second.clamp(5.0, 120.0));
@@ -255,16 +281,26 @@ impl Viewport {
             ui.ctx().request_repaint_after(after);
         }
         if let Some(image) = self.canvas.image() {
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(image, self.rect, whole, Color32::WHITE);
+            painter.image(image, self.rect, compare::WHOLE, Color32::WHITE);
         }
+        self.draw_truth(ui, painter, document.scene().exposure, budget);
+    }
+
+    /// Whether the picture is light, not numbers.
+    fn shows_light(&self) -> bool {
+        !matches!(self.settings.layer, Layer::Transmittance | Layer::Normal | Layer::Cost)
     }
 
     /// Size of the picture: the screen's, unless that is more than wanted.
     fn pixels(&self, pixels_per_point: f32) -> [u32; 2] {
         let size = self.rect.size() * pixels_per_point;
         let most = if self.settings.largest == 0 { 8192 } else { self.settings.largest };
-        let shrink = (most as f32 / size.x.max(size.y).max(1.0)).min(1.0);
+        let mut shrink = (most as f32 / size.x.max(size.y).max(1.0)).min(1.0);
+        if self.truth.is_some() {
+            // Both sides have the same pixels, as many as paths can be traced for.
+            let pixels = Truth::pixels(self.canvas.gpu(), self.settings.truth_pixels);
+            shrink = shrink.min((pixels as f32 / size.x.max(1.0) / size.y.max(1.0)).sqrt());
+        }
         [size.x, size.y].map(|n| ((n * shrink).round() as u32).max(1))
     }
 
@@ -272,9 +308,12 @@ impl Viewport {
         let (scene, selection) = (document.scene(), document.selection());
         let world = self.view.lens(self.rect);
         let lens = self.scene_lens(document);
-        if self.settings.grid {
+        if self.settings.grid && self.shows_light() {
             overlay::grid(painter, &world, scene.ground.altitude, self.view.pivot, self.view.distance);
-            overlay::horizon(painter, &world);
+            overlay::horizon(painter, &world, scene.ground.altitude);
+            if let Some(camera) = &scene.camera {
+                overlay::camera(painter, &world, camera);
+            }
         }
         let hover = self.hover.ellipsoid;
         overlay::outlines(painter, &lens, scene, selection, hover, self.settings.outlines);

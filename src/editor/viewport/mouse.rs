@@ -55,12 +55,12 @@ impl Viewport {
             let at = ui.input(|i| i.pointer.latest_pos()).unwrap_or_else(|| self.rect.center());
             self.begin(kind, document, dvec(at));
         }
+        self.hover = Hover::default();
         if self.operation.is_some() {
             self.operate(ui, &lens, document);
             return;
         }
         self.navigate(ui, response, document);
-        self.hover = Hover::default();
         if self.hand != Hand::Free {
             ui.ctx().set_cursor_icon(self.hand.cursor());
             return;

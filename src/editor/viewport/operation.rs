@@ -137,12 +137,10 @@ impl Operation {
             (self.constraint, self.local) = (Constraint::Free, local_first);
         }
         self.turned = 0.0;
-        self.from = self.from_of_turn();
-    }
-
-    // A turn is counted from where its axis was chosen.
-    fn from_of_turn(&self) -> DVec2 {
-        if self.kind == Kind::Rotate { self.to } else { self.from }
+        if self.kind == Kind::Rotate {
+            // A turn is counted from where its axis was chosen.
+            self.from = self.to;
+        }
     }
 
     /// The mouse went to `at`.

@@ -8,8 +8,9 @@ use glam::DVec3;
 use super::lens::{Lens, pos};
 use crate::scene::Ellipsoid;
 
-/// Corners of an outline.
-const CORNERS: usize = 96;
+/// Most and fewest corners of an outline, and the points of the screen between two of them.
+const CORNERS: [usize; 2] = [12, 96];
+const BETWEEN: f64 = 6.0;
 
 /// The points of an ellipsoid's surface that lines of sight touch, m; nothing from inside.
 ///
@@ -18,7 +19,7 @@ const CORNERS: usize = 96;
 /// `w / |w|^2` of radius `sqrt(1 - 1 / |w|^2)`. Maps between the spaces keep tangency, so its
 /// image is the outline: an ellipse in space, a conic on the screen. Without perspective
 /// the eye is infinitely far: the great circle across the line of sight.
-pub fn silhouette(ellipsoid: &Ellipsoid, lens: &Lens) -> Option<Vec<DVec3>> {
+pub fn silhouette(ellipsoid: &Ellipsoid, lens: &Lens, corners: usize) -> Option<Vec<DVec3>> {
     let into = ellipsoid.orientation.inverse();
     let (axis, height) = if lens.orthographic {
         ((into * -lens.forward / ellipsoid.radii).normalize(), 0.0)
@@ -33,20 +34,21 @@ pub fn silhouette(ellipsoid: &Ellipsoid, lens: &Lens) -> Option<Vec<DVec3>> {
     let radius = (1.0 - height * height).sqrt();
     let (a, b) = axis.any_orthonormal_pair();
     let corner = |i: usize| {
-        let (sin, cos) = (TAU * i as f64 / CORNERS as f64).sin_cos();
+        let (sin, cos) = (TAU * i as f64 / corners as f64).sin_cos();
         let unit = height * axis + radius * (cos * a + sin * b);
         ellipsoid.center + ellipsoid.orientation * (ellipsoid.radii * unit)
     };
-    Some((0..CORNERS).map(corner).collect())
+    Some((0..corners).map(corner).collect())
 }
 
 /// The outline on the screen: lines before the camera, one closed line where all of it is.
 pub fn lines(ellipsoid: &Ellipsoid, lens: &Lens) -> Vec<Vec<Pos2>> {
-    let Some(corners) = silhouette(ellipsoid, lens) else { return Vec::new() };
+    let Some(count) = corners(ellipsoid, lens) else { return Vec::new() };
+    let Some(corners) = silhouette(ellipsoid, lens, count) else { return Vec::new() };
     let mut lines: Vec<Vec<Pos2>> = Vec::new();
     let mut open = false;
-    for i in 0..CORNERS {
-        let piece = lens.clip(corners[i], corners[(i + 1) % CORNERS]);
+    for i in 0..count {
+        let piece = lens.clip(corners[i], corners[(i + 1) % count]);
         let ends = piece.and_then(|[a, b]| Some([lens.place(a)?, lens.place(b)?]));
         match (ends, lines.last_mut()) {
             (Some([_, b]), Some(line)) if open => line.push(b),
@@ -56,6 +58,22 @@ pub fn lines(ellipsoid: &Ellipsoid, lens: &Lens) -> Vec<Vec<Pos2>> {
         open = ends.is_some();
     }
     lines
+}
+
+/// How many corners make an outline look round: as many as its size on the screen asks for,
+/// nothing where it is beside the screen. Scenes may have thousands.
+fn corners(ellipsoid: &Ellipsoid, lens: &Lens) -> Option<usize> {
+    let [fewest, most] = CORNERS;
+    let reach = ellipsoid.radii.max_element();
+    if !lens.orthographic && lens.depth(ellipsoid.center) < 2.0 * reach {
+        // Partly behind the eye, perhaps.
+        return (lens.depth(ellipsoid.center) > -reach).then_some(most);
+    }
+    let at = lens.project(ellipsoid.center)?;
+    // Perspective draws spheres out, by no more than this from so far away.
+    let radius = 2.0 * reach / lens.metres_per_point(ellipsoid.center);
+    let near = lens.rect.expand(radius as f32).contains(pos(at));
+    near.then_some(((TAU * radius / BETWEEN) as usize).clamp(fewest, most))
 }
 
 /// Whether the centre can be drawn, and where.
@@ -93,7 +111,7 @@ mod tests {
         for camera in cameras() {
             let lens = lens(&camera);
             for ellipsoid in &lumps() {
-                let corners = silhouette(ellipsoid, &lens).unwrap();
+                let corners = silhouette(ellipsoid, &lens, 96).unwrap();
                 let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
                 for corner in corners.iter().filter(|&&corner| lens.orthographic || lens.depth(corner) > 1.0)
                 {
@@ -114,7 +132,7 @@ mod tests {
             let turn = DMat3::from_quat(ellipsoid.orientation);
             let a = turn * DMat3::from_diagonal(1.0 / (ellipsoid.radii * ellipsoid.radii)) * turn.transpose();
             let q = lens.eye - ellipsoid.center;
-            for corner in silhouette(ellipsoid, &lens).unwrap() {
+            for corner in silhouette(ellipsoid, &lens, 96).unwrap() {
                 let d = (corner - lens.eye).normalize();
                 let (left, right) = (d.dot(a * d) * (q.dot(a * q) - 1.0), d.dot(a * q).powi(2));
                 assert!((left - right).abs() < 1e-9 * right.max(left), "{left} {right}");
@@ -126,12 +144,25 @@ mod tests {
     fn from_inside_there_is_no_outline_and_lines_behind_the_camera_are_cut() {
         let lens = lens(&cameras()[0]);
         let around = Ellipsoid::new(lens.eye, DVec3::splat(10.0));
-        assert_eq!(silhouette(&around, &lens), None);
+        assert_eq!(silhouette(&around, &lens, 96), None);
         // A wall beside the camera, half of it behind.
         let wall = Ellipsoid::new(lens.eye + 300.0 * lens.right, DVec3::new(900.0, 900.0, 250.0));
         let wall = Ellipsoid { orientation: DQuat::from_rotation_arc(DVec3::Z, lens.right), ..wall };
         let lines = lines(&wall, &lens);
-        assert!(!lines.is_empty() && lines.iter().map(Vec::len).sum::<usize>() < CORNERS);
+        assert!(!lines.is_empty() && lines.iter().map(Vec::len).sum::<usize>() < 96);
         assert!(lines.iter().flatten().all(|p| p.is_finite()));
+    }
+
+    #[test]
+    fn small_ones_have_few_corners_and_those_beside_the_screen_none() {
+        let lens = lens(&cameras()[0]);
+        let far = |right: f64, radius: f64| {
+            let center = lens.eye + 2000.0 * lens.forward + right * lens.right;
+            corners(&Ellipsoid::new(center, DVec3::splat(radius)), &lens)
+        };
+        assert_eq!((far(0.0, 5.0), far(0.0, 500.0)), (Some(12), Some(96)));
+        // Half the picture is 1294 m wide there.
+        assert_eq!(far(1500.0, 50.0), None);
+        assert!(far(1330.0, 50.0).is_some());
     }
 }

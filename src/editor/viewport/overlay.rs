@@ -3,19 +3,21 @@
 
 use std::f64::consts::TAU;
 
-use eframe::egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, Vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 use glam::DVec3;
 
 use super::{ink, lens::Lens, operation::nice, outline, pick};
 use crate::{
     editor::{EllipsoidId, Selection},
-    scene::Scene,
+    scene::{Camera, Scene},
 };
 
 /// Lines of the grid on either side of its middle.
 const LINES: i32 = 24;
 /// Far enough to be the horizon, m.
 const FAR: f64 = 1e7;
+/// Radius of the Earth, m.
+const EARTH: f64 = 6.36e6;
 
 /// Outlines of what can be seen; those that are not selected only where `all`.
 pub fn outlines(
@@ -96,14 +98,15 @@ fn faded_line(painter: &Painter, lens: &Lens, [a, b]: [DVec3; 2], strength: f64)
     }
 }
 
-/// The horizon, with the compass on it.
-pub fn horizon(painter: &Painter, lens: &Lens) {
+/// The horizon as it is seen from above ground at `altitude`, with the compass on it.
+pub fn horizon(painter: &Painter, lens: &Lens, altitude: f64) {
     if lens.orthographic {
         return;
     }
+    let dip = -(1.0 - (EARTH / (EARTH + (lens.eye.y - altitude).max(0.0))).powi(2)).sqrt();
     let direction = |turns: f64| {
         let (sin, cos) = (TAU * turns).sin_cos();
-        DVec3::new(sin, 0.0, -cos)
+        DVec3::new(sin, dip, -cos)
     };
     let place = |turns: f64| lens.place(lens.eye + FAR * direction(turns));
     for i in 0..72 {
@@ -113,52 +116,57 @@ pub fn horizon(painter: &Painter, lens: &Lens) {
         }
     }
     for (i, name) in ["N", "NE", "E", "SE", "S", "SW", "W", "NW"].into_iter().enumerate() {
-        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(12.0).contains(*at)) else {
+        let Some(at) = place(i as f64 / 8.0).filter(|at| lens.rect.shrink(14.0).contains(*at)) else {
             continue;
         };
+        let badge = at - Vec2::new(0.0, 13.0);
         painter
-            .line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(110)));
-        let size = if i % 2 == 0 { 12.0 } else { 10.0 };
-        ink::words(
-            painter,
-            at - Vec2::new(0.0, 5.0),
-            Align2::CENTER_BOTTOM,
-            size,
-            Color32::from_white_alpha(170),
-            name,
-        );
+            .line_segment([at, at - Vec2::new(0.0, 4.0)], Stroke::new(1.0, Color32::from_white_alpha(120)));
+        let half = Vec2::new(if name.len() > 1 { 11.0 } else { 8.0 }, 8.0);
+        painter.rect_filled(Rect::from_center_size(badge, 2.0 * half), 8.0, Color32::from_black_alpha(120));
+        painter.text(badge, Align2::CENTER_CENTER, name, FontId::proportional(10.5), Color32::from_gray(225));
     }
 }
 
-/// Where the sun stands: a ring where it can be seen, else an arrow at the edge.
+/// Where the sun stands, where it can be seen.
 pub fn sun(painter: &Painter, lens: &Lens, to_sun: DVec3) {
-    let area = lens.rect.shrink(26.0);
-    let seen = lens.place(lens.eye + FAR * to_sun).filter(|at| area.contains(*at));
-    if let (Some(at), false) = (seen, lens.orthographic) {
-        ink::ring(painter, at, 9.0, 1.5, ink::SUN);
-        for i in 0..8 {
-            let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
-            painter.line_segment([at + 13.0 * ray, at + 17.0 * ray], Stroke::new(1.5, ink::SUN));
+    let place = lens.place(lens.eye + FAR * to_sun).filter(|at| lens.rect.expand(20.0).contains(*at));
+    let (Some(at), false) = (place, lens.orthographic) else { return };
+    ink::ring(painter, at, 9.0, 1.5, ink::SUN);
+    for i in 0..8 {
+        let ray = Vec2::angled(i as f32 * std::f32::consts::TAU / 8.0);
+        ink::line(painter, &[at + 13.0 * ray, at + 17.0 * ray], 1.5, ink::SUN);
+    }
+}
+
+/// The scene's camera as seen from elsewhere: what a picture of 16 by 9 would hold.
+pub fn camera(painter: &Painter, lens: &Lens, camera: &Camera) {
+    const ASPECT: f64 = 16.0 / 9.0;
+    let size = 46.0 * lens.metres_per_point(camera.position);
+    if lens.depth(camera.position) < 0.05 * size && !lens.orthographic {
+        return;
+    }
+    let turn = camera.world_from_camera();
+    let half = camera.projection.vertical_fov(ASPECT).map_or(0.5, |fov| (0.5 * fov).tan()).clamp(0.15, 1.0);
+    let corner =
+        |x: f64, y: f64| camera.position + size * (turn * DVec3::new(x * half * ASPECT, y * half, -1.0));
+    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let up = [corner(-0.35, 1.15), corner(0.35, 1.15), corner(0.0, 1.6)];
+    let line = |a: DVec3, b: DVec3| {
+        if let Some([Some(a), Some(b)]) = lens.clip(a, b).map(|ends| ends.map(|p| lens.place(p))) {
+            ink::line(painter, &[a, b], 1.2, ink::WORDS);
         }
-        return;
+    };
+    for i in 0..4 {
+        line(corners[i], corners[(i + 1) % 4]);
+        line(camera.position, corners[i]);
     }
-    let toward = Vec2::new(to_sun.dot(lens.right) as f32, -to_sun.dot(lens.up) as f32);
-    if toward.length() < 1e-3 {
-        return;
-    }
-    let toward = toward.normalized();
-    let reach =
-        (0.5 * area.width() / toward.x.abs().max(1e-6)).min(0.5 * area.height() / toward.y.abs().max(1e-6));
-    let at = area.center() + reach * toward;
-    ink::disc(painter, at, 7.0, ink::SUN);
-    let across = toward.rot90();
-    let tip = vec![at + 19.0 * toward, at + 11.0 * toward + 5.0 * across, at + 11.0 * toward - 5.0 * across];
-    ink::area(painter, tip, ink::SUN);
+    (0..3).for_each(|i| line(up[i], up[(i + 1) % 3]));
 }
 
 /// The line of an axis through the pivot, right across the view.
 pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, color: Color32) {
-    let reach = 200.0 * lens.metres_per_point(pivot) * f64::from(lens.rect.height()).sqrt();
+    let reach = 2e4 * lens.metres_per_point(pivot);
     if let Some([a, b]) = lens.clip(pivot - reach * axis, pivot + reach * axis)
         && let [Some(a), Some(b)] = [a, b].map(|p| lens.place(p))
     {
@@ -178,12 +186,12 @@ pub fn tether(painter: &Painter, from: Pos2, to: Pos2) {
 }
 
 /// The box that selects.
-pub fn selection_box(painter: &Painter, area: eframe::egui::Rect) {
+pub fn selection_box(painter: &Painter, area: Rect) {
     painter.rect(
         area,
         0.0,
         ink::HOVER.gamma_multiply(0.12),
         Stroke::new(1.0, ink::HOVER),
-        eframe::egui::StrokeKind::Middle,
+        StrokeKind::Middle,
     );
 }

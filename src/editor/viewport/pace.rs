@@ -18,6 +18,9 @@ impl Default for Pace {
 }
 
 impl Pace {
+    /// To begin with on an adapter that is no GPU.
+    pub const SLOW: Self = Self { scale: 0.2 };
+
     /// Learns that a picture at this pace took `ms`, where `budget` ms were wanted. Time
     /// goes with the pixels: with the square of the scale.
     pub fn measured(&mut self, ms: f64, budget: f64) {

@@ -143,6 +143,8 @@ pub struct ViewSettings {
     pub largest: u32,
     /// Whether work is counted and passes are timed.
     pub measure: bool,
+    /// Most pixels of the truth; 0 is what suits the adapter.
+    pub truth_pixels: u32,
     /// Where the truth begins beside the preview, 0 to 1 from the left.
     pub split: f32,
     /// Whether the error is shown instead of the truth.
@@ -166,6 +168,7 @@ impl Default for ViewSettings {
             frames_per_second: 30.0,
             largest: 0,
             measure: false,
+            truth_pixels: 0,
             split: 0.5,
             error_map: false,
             views: Default::default(),
