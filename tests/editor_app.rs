@@ -24,6 +24,8 @@ fn id(cloud: usize, ellipsoid: usize) -> EllipsoidId {
 
 /// Clicks what is called `label`, and lets the editor answer.
 fn click(window: &mut Window<'_>, label: &str) {
+    window.get_by_label(label).scroll_to_me();
+    window.run_steps(3);
     window.get_by_label(label).click();
     window.run_steps(4);
 }
@@ -35,6 +37,8 @@ fn press(window: &mut Window<'_>, modifiers: Modifiers, key: Key) {
 
 /// Types `text` into the field `label` and enters it.
 fn enter(window: &mut Window<'_>, label: &str, text: &str) {
+    window.get_by_role_and_label(Role::SpinButton, label).scroll_to_me();
+    window.run_steps(3);
     window.get_by_role_and_label(Role::SpinButton, label).click();
     window.run_steps(3);
     window.event(Event::Text(text.to_owned()));
@@ -485,7 +489,7 @@ fn keys_work_and_letters_in_a_text_field_are_text() {
     assert_eq!(window.state().scene().clouds[0].ellipsoids.len(), 7);
     press(&mut window, Modifiers::NONE, Key::F1);
     shoot(&mut window, "editor_shortcuts");
-    assert!(window.query_by_label("Keyboard and mouse").is_some());
+    assert!(window.query_by_label("Search the shortcuts").is_some());
 }
 
 #[test]

@@ -204,7 +204,8 @@ impl Editor {
         }
         let has_focus = ctx.input(|input| input.focused);
         // Who comes back from another window may have changed the file there.
-        let back = has_focus && !std::mem::replace(&mut self.had_focus, has_focus);
+        let had_focus = std::mem::replace(&mut self.had_focus, has_focus);
+        let back = has_focus && !had_focus;
         if back || self.looked.elapsed() > Duration::from_secs(2) {
             self.looked = Instant::now();
             self.notice_changes();

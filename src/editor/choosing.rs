@@ -7,10 +7,10 @@ use std::{
     thread,
 };
 
-use eframe::egui::{Context, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Context, Key, RichText, ScrollArea, TextEdit, Ui};
 use egui_phosphor::regular as icon;
 
-use super::{form::name_widget, palette::Answer};
+use super::{form::name_widget, palette::Answer, theme::modal};
 
 /// What a file is chosen for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -197,7 +197,7 @@ impl OwnWindow {
 
     fn show(&mut self, ctx: &Context, purpose: Purpose) -> Answer<PathBuf> {
         let mut answer = Answer::Open;
-        let modal = Modal::new("choose a file".into()).show(ctx, |ui| {
+        let modal = modal(ctx, "choose a file").show(ctx, |ui| {
             ui.set_width(520.0);
             ui.heading(purpose.title());
             ui.add_space(6.0);

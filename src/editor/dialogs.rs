@@ -2,7 +2,7 @@
 
 use std::time::SystemTime;
 
-use eframe::egui::{Context, Grid, Modal, RichText, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Context, Grid, RichText, ScrollArea, TextEdit, Ui};
 use egui_phosphor::regular as icon;
 
 use super::{
@@ -10,6 +10,7 @@ use super::{
     form::name_widget,
     palette::Answer,
     recovery::Kept,
+    theme::modal,
 };
 use crate::scene::Preset;
 
@@ -82,7 +83,7 @@ fn question<T: Clone>(
     cancel: &str,
 ) -> Answer<T> {
     let mut given = None;
-    let modal = Modal::new(title.into()).show(ctx, |ui| {
+    let modal = modal(ctx, title).show(ctx, |ui| {
         ui.set_width(400.0);
         ui.heading(title);
         ui.add_space(6.0);
@@ -112,7 +113,7 @@ fn question<T: Clone>(
 /// Offers what an earlier editor left behind when it ended without a word.
 pub fn recover(ctx: &Context, kept: &[Kept]) -> Answer<Recover> {
     let mut given = Answer::Open;
-    Modal::new("recover".into()).show(ctx, |ui| {
+    modal(ctx, "recover").show(ctx, |ui| {
         ui.set_width(480.0);
         ui.heading("Unsaved work was found");
         ui.add_space(6.0);
@@ -157,7 +158,7 @@ fn told(kept: &Kept) -> String {
 /// What to begin with.
 pub fn welcome(ctx: &Context) -> Answer<Beginning> {
     let mut given = Answer::Open;
-    let modal = Modal::new("welcome".into()).show(ctx, |ui| {
+    let modal = modal(ctx, "welcome").show(ctx, |ui| {
         ui.set_width(460.0);
         ui.heading("Begin a sky");
         ui.add_space(8.0);
@@ -211,7 +212,7 @@ impl Shortcuts {
     /// Shows the list; true where it was closed.
     pub fn show(&mut self, ctx: &Context) -> bool {
         let mut closed = false;
-        let modal = Modal::new("shortcuts".into()).show(ctx, |ui| {
+        let modal = modal(ctx, "shortcuts").show(ctx, |ui| {
             ui.set_width(560.0);
             ui.heading("Keyboard and mouse");
             ui.add_space(4.0);

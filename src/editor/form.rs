@@ -4,8 +4,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Color32, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric,
-    vec2,
+    self, Align, Align2, Color32, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder,
+    emath::Numeric, vec2,
 };
 use egui_phosphor::regular as icon;
 use glam::{DQuat, DVec3, EulerRot};
@@ -248,10 +248,13 @@ fn room_in(ui: &mut Ui, room: Rect) -> Ui {
     inside
 }
 
-/// The label of a row, cut where it is too long.
+/// The label of a row, cut where it is too long. It is painted only: the widget beside it
+/// says the same name to who can't see it.
 fn label(ui: &mut Ui, name: &str) -> Response {
-    let color = ui.visuals().weak_text_color();
-    ui.add(egui::Label::new(RichText::new(name).color(color)).truncate())
+    let room = ui.max_rect();
+    let (font, color) = (egui::TextStyle::Body.resolve(ui.style()), ui.visuals().weak_text_color());
+    ui.painter().text(room.left_center(), Align2::LEFT_CENTER, name, font, color);
+    ui.interact(room, ui.id().with("label"), egui::Sense::hover())
 }
 
 fn reset_button(ui: &mut Ui, name: &str) -> bool {

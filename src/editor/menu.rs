@@ -1,7 +1,7 @@
 //! The menu bar, the head of the outliner, the bar below.
 
 use eframe::egui::{
-    Align, Button, Context, Layout, MenuBar, Modal, PopupCloseBehavior, ProgressBar, RichText, Ui,
+    Align, Button, Context, Layout, MenuBar, PopupCloseBehavior, ProgressBar, RichText, Ui,
     containers::menu::{MenuButton, MenuConfig},
 };
 use egui_phosphor::regular as icon;
@@ -11,6 +11,7 @@ use super::{
     app::Editor,
     files::Then,
     form::name_widget,
+    theme::modal,
 };
 use crate::scene::Preset;
 
@@ -181,7 +182,7 @@ impl Editor {
     /// What this program is; true where it was closed.
     pub(super) fn about(&self, ctx: &Context) -> bool {
         let mut closed = false;
-        let modal = Modal::new("about".into()).show(ctx, |ui| {
+        let modal = modal(ctx, "about").show(ctx, |ui| {
             ui.set_width(380.0);
             ui.heading(format!("nephos {}", env!("CARGO_PKG_VERSION")));
             ui.add_space(6.0);

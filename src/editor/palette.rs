@@ -1,10 +1,11 @@
 //! Commands by name: a field, a list, Enter.
 
-use eframe::egui::{Align, Context, Key, Layout, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui, vec2};
+use eframe::egui::{Align, Context, Key, Layout, Modifiers, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 use super::{
     actions::{Action, Entry, entries},
     form::name_widget,
+    theme::modal,
 };
 
 /// The palette while it is open.
@@ -29,7 +30,7 @@ impl Palette {
     /// Shows it; `enabled` tells what can be done now.
     pub fn show(&mut self, ctx: &Context, enabled: impl Fn(Action) -> bool) -> Answer<Action> {
         let mut answer = Answer::Open;
-        let modal = Modal::new("palette".into()).show(ctx, |ui| {
+        let modal = modal(ctx, "palette").show(ctx, |ui| {
             ui.set_width(460.0);
             let field = TextEdit::singleline(&mut self.search).hint_text("Find a command");
             let response = ui.add(field.desired_width(f32::INFINITY));

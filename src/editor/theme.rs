@@ -57,6 +57,11 @@ const LIGHT: Palette = Palette {
 /// Width of the labels of fields, points.
 pub(super) const LABEL_WIDTH: f32 = 104.0;
 
+/// A window over everything else, which wants an answer first.
+pub(super) fn modal(ctx: &Context, id: &'static str) -> egui::Modal {
+    egui::Modal::new(id.into()).frame(egui::Frame::window(&ctx.global_style()))
+}
+
 /// Dresses `ctx`; call it once.
 pub fn dress(ctx: &Context) {
     let mut fonts = egui::FontDefinitions::default();

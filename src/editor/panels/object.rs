@@ -57,7 +57,9 @@ impl ObjectPanel {
             ui.label("Seed");
             let response = ui.add(DragValue::new(&mut heaps.seed).speed(0.1));
             name_widget(ui, &response, "Seed of the heaps");
-            if ui.button(format!("{} Grow", icon::TREE)).clicked() {
+            let grow = ui.button(format!("{} Grow", icon::TREE));
+            name_widget(ui, &grow, "Grow");
+            if grow.clicked() {
                 document.grow(heaps);
                 heaps.seed = heaps.seed.wrapping_add(1);
             }

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Context, DragValue, Grid, Modal, RichText, TextEdit, Ui};
+use eframe::egui::{Context, DragValue, Grid, RichText, TextEdit, Ui};
 use egui_phosphor::regular as icon;
 
 use crate::{
-    editor::{form::name_widget, palette::Answer, still::Still},
+    editor::{form::name_widget, palette::Answer, still::Still, theme::modal},
     render::Quality,
 };
 
@@ -66,7 +66,7 @@ impl PicturePanel {
     /// Shows the window.
     pub fn show(&mut self, ctx: &Context) -> Answer<PictureWish> {
         let mut answer = Answer::Open;
-        let modal = Modal::new("picture".into()).show(ctx, |ui| {
+        let modal = modal(ctx, "picture").show(ctx, |ui| {
             ui.set_width(460.0);
             ui.heading("Render picture");
             ui.add_space(8.0);
