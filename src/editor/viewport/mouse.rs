@@ -84,6 +84,9 @@ impl Viewport {
             return Gizmo::new(self.settings.tool, pivot, operation.frame())
                 .filter(|gizmo| operation.dragged && gizmo.kind == operation.kind);
         }
+        if self.truth.is_some() {
+            return None;
+        }
         let pivot = pivot_of(document, self.settings.pivot)?;
         Gizmo::new(self.settings.tool, pivot, self.axes(document))
     }

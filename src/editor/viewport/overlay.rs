@@ -170,7 +170,7 @@ pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, colo
     if let Some([a, b]) = lens.clip(pivot - reach * axis, pivot + reach * axis)
         && let [Some(a), Some(b)] = [a, b].map(|p| lens.place(p))
     {
-        ink::line(painter, &[a, b], 1.2, color);
+        ink::line(painter, &[a, b], 1.8, color);
     }
 }
 
