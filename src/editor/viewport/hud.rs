@@ -15,9 +15,10 @@ use super::{
     ink,
     lens::{Lens, pos},
     mouse::Boxing,
-    operation::{Constraint, Kind, Operation, axis_of},
+    operation::{Constraint, Kind, Operation},
     overlay,
     settings::{Axes, Layer, Pivot, Tool},
+    space::axis_of,
 };
 use crate::{editor::Document, render::HeatMap};
 

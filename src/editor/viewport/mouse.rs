@@ -9,9 +9,10 @@ use super::{
     gizmo::Gizmo,
     hand::{self, Hand, Hold},
     lens::{Lens, dvec},
-    operation::{Constraint, Grip, Kind, Operation, frame_of, pivot_of},
+    operation::{Constraint, Grip, Kind, Operation},
     pick,
     settings::Axes,
+    space::{frame_of, pivot_of},
 };
 use crate::editor::{Document, EllipsoidId, Selection};
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 use glam::DVec3;
 
-use super::{ink, lens::Lens, operation::nice, outline, pick};
+use super::{ink, lens::Lens, outline, pick, space::nice};
 use crate::{
     editor::{EllipsoidId, Selection},
     scene::{Camera, Scene},
