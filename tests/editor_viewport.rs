@@ -367,6 +367,50 @@ fn pictures_of_truth() {
 }
 
 #[test]
+fn the_right_button_flies_by_letters_that_are_no_shortcuts_then() {
+    let mut window = open(two_lumps(), TINY);
+    let place = at(&window, 0);
+    window.hover_at(place);
+    window.step();
+    let before = window.state().viewport.camera();
+    let tool = window.state().viewport.settings.tool;
+    let button = |pressed| Event::PointerButton {
+        pos: place,
+        button: PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    window.event(button(true));
+    window.step();
+    window.key_down(Key::W);
+    window.run_steps(5);
+    window.key_up(Key::W);
+    window.event(button(false));
+    window.run_steps(2);
+    let after = window.state().viewport.camera();
+    let way = after.position - before.position;
+    assert!(way.length() > 10.0 && way.normalize().dot(before.forward()) > 0.999, "{way}");
+    assert_eq!(window.state().viewport.settings.tool, tool);
+    // The same letter without the button is the tool's.
+    window.state_mut().viewport.settings.tool = Tool::Select;
+    window.key_press(Key::W);
+    window.step();
+    assert_eq!(window.state().viewport.settings.tool, Tool::Move);
+}
+
+#[test]
+fn a_shortcut_counts_with_the_modifiers_of_its_moment() {
+    let mut window = open(two_lumps(), TINY);
+    window.hover_at(at(&window, 0));
+    window.step();
+    // Shift is let go within the same slow frame.
+    window.key_press_modifiers(Modifiers::SHIFT, Key::P);
+    window.step();
+    let error_map = window.state().viewport.settings.error_map;
+    assert!(error_map);
+}
+
+#[test]
 fn the_final_picture_is_what_the_renderer_gives() {
     let mut window = open(two_lumps(), vec2(96.0, 54.0));
     let settings = &mut window.state_mut().viewport.settings;

@@ -1,6 +1,6 @@
 //! What actions do, whether they can be done now, and their keys.
 
-use eframe::egui::{Context, Key, Modifiers};
+use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
 use super::{
@@ -10,7 +10,7 @@ use super::{
     dialogs::Shortcuts,
     files::Then,
     palette::Palette,
-    viewport::ViewCommand,
+    viewport::{self, ViewCommand},
 };
 use crate::scene::Preset;
 
@@ -152,9 +152,7 @@ impl Editor {
         }
         let typing = ctx.text_edit_focused();
         let pressed = |modifiers: Modifiers, key: Key| {
-            ctx.input_mut(|input| {
-                input.modifiers.matches_exact(modifiers) && input.consume_key(modifiers, key)
-            })
+            ctx.input_mut(|input| viewport::take(input, &KeyboardShortcut::new(modifiers, key)))
         };
         let own = entries().iter().filter(|entry| !matches!(entry.action, Action::View(_)));
         let mut asked = None;

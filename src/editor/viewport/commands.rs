@@ -1,7 +1,7 @@
 //! Everything that the viewport does at a key or from a menu, in one table: names, help and
 //! shortcuts are written here and nowhere else.
 
-use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+use eframe::egui::{Event, InputState, Key, KeyboardShortcut, Modifiers};
 
 use super::{
     navigation::Side,
@@ -306,6 +306,20 @@ pub const COMMANDS: &[Entry] = {
         ),
     ]
 };
+
+/// Whether a shortcut was pressed, with just its modifiers; takes it out of the events. The
+/// modifiers are those of the moment of the key: a slow frame may end without them.
+pub fn take(input: &mut InputState, shortcut: &KeyboardShortcut) -> bool {
+    let is_it = |event: &Event| match event {
+        Event::Key { key, pressed: true, modifiers, .. } => {
+            *key == shortcut.logical_key && modifiers.matches_exact(shortcut.modifiers)
+        }
+        _ => false,
+    };
+    let before = input.events.len();
+    input.events.retain(|event| !is_it(event));
+    input.events.len() < before
+}
 
 /// What the list says of a command.
 pub fn find(command: ViewCommand) -> Option<&'static Entry> {

@@ -9,8 +9,9 @@ use glam::{DQuat, DVec2, DVec3};
 use super::{
     ink,
     lens::{Lens, pos},
-    operation::{Constraint, Kind, axis_of},
+    operation::{Constraint, Kind},
     settings::Tool,
+    space::axis_of,
 };
 
 /// Length of an arm and radius of a ring, points.

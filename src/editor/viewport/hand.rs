@@ -1,6 +1,6 @@
 //! What the mouse does to the view: orbit, pan, dolly, fly.
 
-use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
+use eframe::egui::{CursorIcon, Event, Key, PointerButton, Response, Ui};
 use glam::{DVec2, DVec3};
 
 use super::{lens::Lens, lens::dvec, navigation::Navigation};
@@ -134,6 +134,8 @@ impl Hand {
     }
 
     fn fly(&self, ui: &Ui, view: &mut Navigation, speed: f64) {
+        // Letters fly; they are nobody's shortcuts now.
+        ui.input_mut(|i| i.events.retain(|event| !matches!(event, Event::Key { .. } | Event::Text(_))));
         let (keys, fast, dt) = ui.input(|i| {
             let axis =
                 |plus, minus| f64::from(u8::from(i.key_down(plus))) - f64::from(u8::from(i.key_down(minus)));

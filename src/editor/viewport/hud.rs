@@ -2,8 +2,8 @@
 //! now, how far the picture has come.
 
 use eframe::egui::{
-    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Ui, UiBuilder, Visuals, WidgetInfo,
-    WidgetType, pos2, vec2,
+    Align2, Button, Color32, ComboBox, Painter, Pos2, Rect, RichText, Shape, Ui, UiBuilder, Visuals,
+    WidgetInfo, WidgetType, pos2, vec2,
 };
 use egui_phosphor::regular as icon;
 
@@ -15,12 +15,15 @@ use super::{
     ink,
     lens::{Lens, pos},
     mouse::Boxing,
-    operation::{Constraint, Kind, Operation, axis_of},
+    operation::{Constraint, Kind, Operation},
     overlay,
     settings::{Axes, Layer, Pivot, Tool},
+    space::axis_of,
 };
 use crate::{editor::Document, render::HeatMap};
 
+/// Between the edge of a plate and its widgets, points.
+const EDGE: f32 = 3.0;
 /// Height of the strip of words at the bottom, points.
 const STRIP: f32 = 22.0;
 /// From the edge of the viewport, points.
@@ -80,31 +83,25 @@ impl Viewport {
 
     /// Buttons down the left edge, and a bar on top.
     fn tools(&mut self, ui: &mut Ui, document: &mut Document) {
-        let column = Rect::from_min_size(self.rect.min + vec2(MARGIN, MARGIN), vec2(34.0, 127.0));
-        ink::panel(ui.painter(), column);
         let mut chosen = None;
-        over(ui, column.shrink(3.0), |ui| {
-            ui.spacing_mut().item_spacing = vec2(0.0, 3.0);
-            for (tool, icon) in [
-                (Tool::Select, icon::CURSOR),
-                (Tool::Move, icon::ARROWS_OUT_CARDINAL),
-                (Tool::Rotate, icon::ARROWS_CLOCKWISE),
-                (Tool::Scale, icon::RESIZE),
-            ] {
-                let command = ViewCommand::UseTool(tool);
-                if button(ui, icon, self.settings.tool == tool, command) {
-                    chosen = Some(command);
+        let corner = self.rect.min + vec2(MARGIN, MARGIN);
+        let column = over(ui, corner, |ui| {
+            ui.vertical(|ui| {
+                for (tool, icon) in [
+                    (Tool::Select, icon::CURSOR),
+                    (Tool::Move, icon::ARROWS_OUT_CARDINAL),
+                    (Tool::Rotate, icon::ARROWS_CLOCKWISE),
+                    (Tool::Scale, icon::RESIZE),
+                ] {
+                    let command = ViewCommand::UseTool(tool);
+                    if button(ui, icon, self.settings.tool == tool, command) {
+                        chosen = Some(command);
+                    }
                 }
-            }
-        });
-        let bar =
-            Rect::from_min_size(self.rect.min + vec2(MARGIN + 42.0, MARGIN), vec2(self.bar_width(), 34.0));
-        ink::panel(ui.painter(), bar);
-        over(ui, bar.shrink(3.0), |ui| {
-            ui.horizontal_centered(|ui| {
-                ui.spacing_mut().item_spacing.x = 3.0;
-                chosen = chosen.or(self.bar(ui));
             });
+        });
+        over(ui, pos2(column.right() + 8.0, corner.y), |ui| {
+            ui.horizontal(|ui| chosen = chosen.or(self.bar(ui)));
         });
         if let Some(command) = chosen {
             self.run(command, document);
@@ -112,13 +109,8 @@ impl Viewport {
         }
     }
 
-    fn bar_width(&self) -> f32 {
-        // All of it, or only the buttons where there is no room beside the compass.
-        if self.rect.width() > 362.0 + 180.0 { 362.0 } else { 163.0 }
-    }
-
     fn bar(&mut self, ui: &mut Ui) -> Option<ViewCommand> {
-        let (truth, narrow) = (self.truth.is_some(), self.bar_width() < 300.0);
+        let (truth, narrow) = (self.truth.is_some(), self.rect.width() < 560.0);
         let settings = &mut self.settings;
         let mut chosen = None;
         let toggles = [
@@ -237,13 +229,21 @@ impl Viewport {
     }
 }
 
-/// A child that looks the same in light and dark themes: it lies on the picture.
-fn over(ui: &mut Ui, rect: Rect, add: impl FnOnce(&mut Ui)) {
-    let mut child = ui.new_child(UiBuilder::new().max_rect(rect));
+/// A plate with widgets that look the same in light and dark themes, for they lie on the
+/// picture. Tells where it is.
+fn over(ui: &mut Ui, corner: Pos2, add: impl FnOnce(&mut Ui)) -> Rect {
+    let plate = ui.painter().add(Shape::Noop);
+    let inner = corner + vec2(EDGE, EDGE);
+    let mut child = ui.new_child(UiBuilder::new().max_rect(Rect::from_min_size(inner, vec2(600.0, 400.0))));
     *child.visuals_mut() = Visuals::dark();
     child.visuals_mut().widgets.inactive.weak_bg_fill = Color32::TRANSPARENT;
     child.visuals_mut().selection.bg_fill = Color32::from_rgb(52, 98, 150);
+    child.spacing_mut().item_spacing = vec2(3.0, 3.0);
+    child.spacing_mut().button_padding = vec2(4.0, 3.0);
     add(&mut child);
+    let rect = child.min_rect().expand(EDGE);
+    ui.painter().set(plate, ink::panel_shape(rect));
+    rect
 }
 
 /// A button with an icon; tells its name, help and keys.

@@ -1,7 +1,9 @@
 //! Lines, shapes and words that stay readable over bright clouds and dark skies: each has a
 //! dark rim.
 
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
+use eframe::egui::{
+    Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, epaint::RectShape,
+};
 
 /// Colours of the x, y and z axis.
 pub const AXIS: [Color32; 3] =
@@ -63,5 +65,11 @@ pub fn plate(painter: &Painter, at: Pos2, align: Align2, size: f32, text: &str) 
 
 /// A dark plate.
 pub fn panel(painter: &Painter, rect: Rect) {
-    painter.rect(rect, 5.0, PLATE, Stroke::new(1.0, Color32::from_white_alpha(18)), StrokeKind::Inside);
+    painter.add(panel_shape(rect));
+}
+
+/// The same, to be put under what is drawn already.
+pub fn panel_shape(rect: Rect) -> Shape {
+    let edge = Stroke::new(1.0, Color32::from_white_alpha(18));
+    RectShape::new(rect, 5.0, PLATE, edge, StrokeKind::Inside).into()
 }

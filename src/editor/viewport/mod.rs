@@ -19,7 +19,9 @@ mod overlay;
 mod pace;
 mod pick;
 mod settings;
+mod space;
 mod statistics;
+mod subject;
 mod transform;
 mod truth;
 
@@ -27,8 +29,7 @@ use std::time::Duration;
 
 use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Ui, WidgetInfo, WidgetType, pos2};
 
-pub use canvas::{Canvas, Stage, Subject};
-pub use commands::{COMMANDS, Entry, ViewCommand, find};
+pub use commands::{COMMANDS, Entry, ViewCommand, find, take};
 pub use error_map::Numbers;
 pub use lens::{Lens, Ray};
 pub use navigation::{Navigation, Side};
@@ -36,9 +37,11 @@ pub use settings::{Axes, Layer, Pivot, Tool, ViewSettings};
 pub use statistics::Statistics;
 
 use self::{
+    canvas::Canvas,
     hand::Hand,
     mouse::{Boxing, Hover},
     operation::{Kind, Operation},
+    subject::Subject,
     truth::Truth,
 };
 use super::Document;
@@ -256,11 +259,7 @@ impl Viewport {
         if self.takes_keys() || !response.contains_pointer() || ui.ctx().egui_wants_keyboard_input() {
             return;
         }
-        let pressed = |entry: &&Entry| {
-            entry.shortcut.is_some_and(|keys| {
-                ui.input_mut(|i| i.modifiers.matches_exact(keys.modifiers) && i.consume_shortcut(&keys))
-            })
-        };
+        let pressed = |entry: &&Entry| entry.shortcut.is_some_and(|keys| ui.input_mut(|i| take(i, &keys)));
         if let Some(entry) = COMMANDS.iter().find(pressed) {
             self.run(entry.command, document);
             ui.ctx().request_repaint();
@@ -315,8 +314,9 @@ impl Viewport {
                 overlay::camera(painter, &world, camera);
             }
         }
-        let hover = self.hover.ellipsoid;
-        overlay::outlines(painter, &lens, scene, selection, hover, self.settings.outlines);
+        // Between truth and preview nothing shall stand that is not needed.
+        let all = self.settings.outlines && self.truth.is_none();
+        overlay::outlines(painter, &lens, scene, selection, self.hover.ellipsoid, all);
         if let Some(area) = self.box_area(ui) {
             let found = pick::in_box(scene, &lens, area);
             overlay::centers(painter, &lens, scene, |id| found.contains(&id));

@@ -9,9 +9,10 @@ use super::{
     gizmo::Gizmo,
     hand::{self, Hand, Hold},
     lens::{Lens, dvec},
-    operation::{Constraint, Grip, Kind, Operation, frame_of, pivot_of},
+    operation::{Constraint, Grip, Kind, Operation},
     pick,
     settings::Axes,
+    space::{frame_of, pivot_of},
 };
 use crate::editor::{Document, EllipsoidId, Selection};
 
@@ -83,6 +84,9 @@ impl Viewport {
             let pivot = pivot_of(document, self.settings.pivot)?;
             return Gizmo::new(self.settings.tool, pivot, operation.frame())
                 .filter(|gizmo| operation.dragged && gizmo.kind == operation.kind);
+        }
+        if self.truth.is_some() {
+            return None;
         }
         let pivot = pivot_of(document, self.settings.pivot)?;
         Gizmo::new(self.settings.tool, pivot, self.axes(document))

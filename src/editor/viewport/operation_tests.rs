@@ -2,7 +2,10 @@ use super::*;
 use crate::{
     editor::{
         Selection,
-        viewport::lens::tests::{cameras, lens},
+        viewport::{
+            lens::tests::{cameras, lens},
+            space::nice,
+        },
     },
     scene::{Cloud, Scene},
 };

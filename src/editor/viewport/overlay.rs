@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2};
 use glam::DVec3;
 
-use super::{ink, lens::Lens, operation::nice, outline, pick};
+use super::{ink, lens::Lens, outline, pick, space::nice};
 use crate::{
     editor::{EllipsoidId, Selection},
     scene::{Camera, Scene},
@@ -170,7 +170,7 @@ pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, colo
     if let Some([a, b]) = lens.clip(pivot - reach * axis, pivot + reach * axis)
         && let [Some(a), Some(b)] = [a, b].map(|p| lens.place(p))
     {
-        ink::line(painter, &[a, b], 1.2, color);
+        ink::line(painter, &[a, b], 1.8, color);
     }
 }
 

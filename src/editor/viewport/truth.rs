@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 
 use super::{
-    canvas::{Canvas, Screen, Stage, Subject},
+    canvas::{Canvas, Screen, Stage},
     error_map::{self, Numbers},
+    subject::Subject,
 };
 use crate::{Result, export::Picture, gpu::Gpu, reference::PathTracer};
 
