@@ -41,7 +41,17 @@ struct Screen {
 impl Screen {
     fn open(folder: &Path) -> Self {
         let mut command = Command::new("Xvfb");
-        command.args(["-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-fbdir"]);
+        command.args([
+            "-displayfd",
+            "1",
+            "-screen",
+            "0",
+            "1280x720x24",
+            "-nolisten",
+            "tcp",
+            "-noreset",
+            "-fbdir",
+        ]);
         let mut server =
             command.arg(folder).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("Xvfb starts");
         let mut number = String::new();
@@ -77,7 +87,10 @@ fn start(screen: &Screen, home: &Path, scene: Option<&Path>) -> Running {
         command.arg("edit").arg(scene);
     }
     command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", &screen.display).env("HOME", home);
-    command.env("XDG_CONFIG_HOME", home.join("config")).env("XDG_STATE_HOME", home.join("state"));
+    command
+        .env("XDG_RUNTIME_DIR", home)
+        .env("XDG_CONFIG_HOME", home.join("config"))
+        .env("XDG_STATE_HOME", home.join("state"));
     Running(command.spawn().unwrap())
 }
 
