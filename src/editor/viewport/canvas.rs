@@ -26,6 +26,10 @@ const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
 const SCREEN: TextureFormat = TextureFormat::Rgba8Unorm;
 /// How long the hand rests before the picture is refined.
 const REST: Duration = Duration::from_millis(160);
+/// Where light takes long, as on adapters that are no GPU, the final picture's light waits
+/// for some times as long as the preview's took: it would stop a hand that goes on.
+const PATIENCE: u32 = 6;
+const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
 /// Steps a ray that get the brightest colour of the cost layer.
 pub(super) const COST_RANGE: f32 = 1000.0;
 
@@ -47,6 +51,8 @@ struct Work {
     stage: Stage,
     rays: u32,
     size: [u32; 2],
+    /// Time that the light took, all of it in one go.
+    began: Duration,
     spent: Duration,
 }
 
@@ -229,6 +235,7 @@ impl Canvas {
         if work.pieces.finished() {
             self.stage = work.stage;
             self.show(&work)?;
+            self.rest_at = Instant::now() + (PATIENCE * work.began).min(LONGEST_PATIENCE);
             self.read_statistics()?;
         } else {
             self.work = Some(work);
@@ -256,6 +263,7 @@ impl Canvas {
             Stage::Final => Quality::FINAL,
         };
         self.renderer.quality = Quality { light_resolution: self.light_resolution, ..quality };
+        let started = Instant::now();
         let mut encoder = self.encoder();
         let (source, pieces) = match subject.layer {
             Layer::Beauty => {
@@ -274,7 +282,7 @@ impl Canvas {
             }
         };
         self.submit(encoder)?;
-        Ok(Work { pieces, source, stage, rays, size, spent: Duration::ZERO })
+        Ok(Work { pieces, source, stage, rays, size, began: started.elapsed(), spent: Duration::ZERO })
     }
 
     fn draw(&mut self, work: &mut Work, tiles: u32) -> Result<()> {
