@@ -84,6 +84,8 @@ pub struct Editor {
     pub(super) job: Option<StillJob>,
     pub(super) closing: bool,
     pub(super) had_focus: bool,
+    /// Seed of the last preset.
+    pub(super) seed: u64,
     keep_after: Duration,
     title: String,
     looked: Instant,
@@ -116,6 +118,7 @@ impl Editor {
             job: None,
             closing: false,
             had_focus: true,
+            seed: 0,
             keep_after: options.keep_after,
             title: String::new(),
             looked: Instant::now(),

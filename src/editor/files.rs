@@ -56,7 +56,8 @@ impl Editor {
             // A preset is a scene to be saved, not one that is.
             Then::NewFrom(preset) => {
                 self.start(Scene::default());
-                self.replace(Document::unsaved(preset.scene(1), Scene::default()));
+                let scene = preset.scene(self.next_seed());
+                self.replace(Document::unsaved(scene, Scene::default()));
             }
             Then::ChooseFile => self.choose(ctx, Purpose::Open, None),
             Then::Open(path) => self.open(&path),
@@ -84,7 +85,7 @@ impl Editor {
         match self.session.open(path) {
             Ok(scene) => {
                 self.replace(Document::new(scene));
-                self.settings.remember(path);
+                self.remember(path);
                 self.picture.path.clear();
                 if self.session.is_read_only() {
                     let name = self.session.name();
@@ -110,7 +111,7 @@ impl Editor {
     fn save_to(&mut self, ctx: &Context, path: &Path, then: Option<Then>) {
         match self.session.save(&mut self.document, path) {
             Ok(()) => {
-                self.settings.remember(path);
+                self.remember(path);
                 self.notices.clear();
                 self.notices.news(format!("Saved {}.", path.display()));
                 if let Some(then) = then {
@@ -119,6 +120,12 @@ impl Editor {
             }
             Err(error) => self.notices.problem(error),
         }
+    }
+
+    /// Lists `path` among the recent files, even if the editor ends in a crash.
+    fn remember(&mut self, path: &Path) {
+        self.settings.remember(path);
+        self.write_settings();
     }
 
     /// Where to begin to look for a file.

@@ -128,10 +128,22 @@ impl Editor {
         self.frame_first(was_empty);
     }
 
+    /// Adds another cloud of its kind each time, east of those that are there.
     fn add_preset(&mut self, preset: Preset) {
-        let was_empty = self.document.scene().bounds().is_none();
-        self.document.add_preset(preset, 1, DVec3::ZERO);
-        self.frame_first(was_empty);
+        let seed = self.next_seed();
+        let there = self.document.scene().bounds();
+        let offset = match (there, preset.scene(seed).bounds()) {
+            (Some((_, east)), Some((low, high))) => (east.x - low.x + 0.1 * (high.x - low.x)).round(),
+            _ => 0.0,
+        };
+        self.document.add_preset(preset, seed, DVec3::X * offset);
+        self.frame_first(there.is_none());
+    }
+
+    /// Another seed each time, 1 at first.
+    pub(super) fn next_seed(&mut self) -> u64 {
+        self.seed += 1;
+        self.seed
     }
 
     fn zoom(&mut self, ctx: &Context, change: impl FnOnce(f32) -> f32) {

@@ -2,6 +2,7 @@
 
 mod object;
 mod outliner;
+mod outliner_row;
 mod picture;
 mod sun;
 mod sun_dial;
