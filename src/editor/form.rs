@@ -4,7 +4,7 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Align2, Color32, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder,
+    self, Align, Align2, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder,
     emath::Numeric, vec2,
 };
 use egui_phosphor::regular as icon;
@@ -16,7 +16,7 @@ use super::{
 };
 
 /// Width of the number beside a slider, points.
-const VALUE_WIDTH: f32 = 66.0;
+const VALUE_WIDTH: f32 = 74.0;
 
 /// Width kept for the button that resets a field, points.
 const RESET_WIDTH: f32 = 20.0;
@@ -259,7 +259,7 @@ fn label(ui: &mut Ui, name: &str) -> Response {
 
 fn reset_button(ui: &mut Ui, name: &str) -> bool {
     let text = RichText::new(icon::ARROW_COUNTER_CLOCKWISE).size(12.0);
-    let button = egui::Button::new(text).fill(Color32::TRANSPARENT).small();
+    let button = egui::Button::new(text).frame(false);
     let response = ui.add(button).on_hover_text("Back to the default");
     name_widget(ui, &response, &format!("Reset {name}"));
     response.clicked()
