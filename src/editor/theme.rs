@@ -13,6 +13,7 @@ struct Palette {
     hovered: Color32,
     pressed: Color32,
     line: Color32,
+    edge: Color32,
     faint: Color32,
     text: Color32,
     strong: Color32,
@@ -29,6 +30,7 @@ const DARK: Palette = Palette {
     hovered: Color32::from_rgb(58, 66, 79),
     pressed: Color32::from_rgb(69, 79, 95),
     line: Color32::from_rgb(50, 56, 66),
+    edge: Color32::from_rgb(66, 74, 88),
     faint: Color32::from_rgb(143, 153, 168),
     text: Color32::from_rgb(207, 214, 224),
     strong: Color32::from_rgb(240, 244, 250),
@@ -45,6 +47,7 @@ const LIGHT: Palette = Palette {
     hovered: Color32::from_rgb(208, 216, 227),
     pressed: Color32::from_rgb(193, 204, 219),
     line: Color32::from_rgb(207, 213, 222),
+    edge: Color32::from_rgb(186, 195, 208),
     faint: Color32::from_rgb(94, 104, 119),
     text: Color32::from_rgb(44, 52, 64),
     strong: Color32::from_rgb(16, 22, 32),
@@ -126,7 +129,7 @@ fn visuals(theme: Theme, palette: &Palette) -> Visuals {
     visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;
     widgets.noninteractive = widget(palette.panel, palette.line, palette.text, 1.0);
-    widgets.inactive = widget(palette.raised, palette.raised, palette.text, 0.0);
+    widgets.inactive = widget(palette.raised, palette.edge, palette.text, 1.0);
     widgets.hovered = widget(palette.hovered, palette.faint, palette.strong, 1.0);
     widgets.active = widget(palette.pressed, palette.accent, palette.strong, 1.0);
     widgets.open = widget(palette.hovered, palette.line, palette.strong, 1.0);
