@@ -270,6 +270,10 @@ fn pictures() {
     run(&mut window, ViewCommand::FrameAll);
     rest(&mut window);
     shoot(&mut window, "narrow");
+    window.set_size(vec2(700.0, 620.0));
+    run(&mut window, ViewCommand::LookThroughSceneCamera);
+    rest(&mut window);
+    shoot(&mut window, "framed");
     let mut window = open(two_lumps(), vec2(900.0, 560.0));
     window.state_mut().viewport.settings.largest = 300;
     rest(&mut window);

@@ -1,5 +1,7 @@
 //! The viewport without a window around it.
 
+use std::time::{Duration, Instant};
+
 use eframe::egui::{self, Pos2, Vec2};
 use egui_kittest::{
     Harness,
@@ -68,13 +70,14 @@ pub fn rest(window: &mut Window<'_>) {
 
 /// Lets the hand rest and steps until something is so.
 pub fn rest_until(window: &mut Window<'_>, so: impl Fn(&App) -> bool) {
-    window.step();
-    std::thread::sleep(std::time::Duration::from_millis(180));
-    for _ in 0..4000 {
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while Instant::now() < deadline {
         window.step();
         if so(window.state()) {
             return;
         }
+        // The viewport waits for the hand to rest in real time.
+        std::thread::sleep(Duration::from_millis(1));
     }
     panic!("it never comes to that");
 }

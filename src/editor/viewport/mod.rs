@@ -47,7 +47,7 @@ use self::{
 use super::Document;
 use crate::{
     gpu::Gpu,
-    scene::{Bounds, Camera, Ellipsoid},
+    scene::{Bounds, Camera, Ellipsoid, Scene},
 };
 
 /// Seconds in which the view goes to another one.
@@ -147,7 +147,7 @@ impl Viewport {
             LookFrom(side) => self.glide_to(|view| view.look_from(side)),
             ToggleOrthographic => self.view.orthographic ^= true,
             LookThroughSceneCamera => {
-                let view = through(document);
+                let view = Navigation { framed: true, ..through(document) };
                 self.glide_to(|to| *to = view);
             }
             SaveView(number) => self.save_view(number),
@@ -269,7 +269,7 @@ impl Viewport {
     fn draw_picture(&mut self, ui: &Ui, painter: &Painter, document: &Document) {
         let subject = Subject {
             scene: document.shared_scene(),
-            camera: self.view.camera(self.aspect()),
+            camera: self.view.seen(self.aspect()),
             size: self.pixels(ui.pixels_per_point()),
             layer: if self.truth.is_some() { Layer::Beauty } else { self.settings.layer },
             rays: 2,
@@ -283,6 +283,13 @@ impl Viewport {
             painter.image(image, self.rect, compare::WHOLE, Color32::WHITE);
         }
         self.draw_truth(ui, painter, document.scene().exposure, budget);
+    }
+
+    /// Whether the view is the scene's camera.
+    fn looks_through(&self, scene: &Scene) -> bool {
+        let (camera, view) = (scene.camera(), self.view.camera(self.aspect()));
+        let near = 1e-6 * self.view.distance;
+        camera.position.distance(view.position) < near && camera.forward().distance(view.forward()) < 1e-6
     }
 
     /// Whether the picture is light, not numbers.
@@ -313,6 +320,9 @@ impl Viewport {
             if let Some(camera) = &scene.camera {
                 overlay::camera(painter, &world, camera);
             }
+        }
+        if self.view.framed && self.glide.is_none() && self.looks_through(scene) {
+            overlay::frame(painter, self.rect, navigation::PICTURE_ASPECT as f32);
         }
         // Between truth and preview nothing shall stand that is not needed.
         let all = self.settings.outlines && self.truth.is_none();

@@ -16,6 +16,8 @@ const FARTHEST: f64 = 1e6;
 const REACH: f64 = 5e6;
 /// Room about what is framed.
 const MARGIN: f64 = 1.15;
+/// Width over height of the pictures that scenes are framed for.
+pub const PICTURE_ASPECT: f64 = 16.0 / 9.0;
 /// Vertical field of view of a new view, degrees.
 const FIELD_OF_VIEW: f64 = 45.0;
 
@@ -37,6 +39,8 @@ pub struct Navigation {
     pub projection: Projection,
     /// Whether parallel lines stay parallel; spans what the lens sees at the pivot.
     pub orthographic: bool,
+    /// Whether all of the picture that the camera would take fits into the window.
+    pub framed: bool,
 }
 
 impl Default for Navigation {
@@ -49,6 +53,7 @@ impl Default for Navigation {
             roll: 0.0,
             projection: Projection::Perspective { vertical_fov_deg: FIELD_OF_VIEW },
             orthographic: false,
+            framed: false,
         }
     }
 }
@@ -94,6 +99,7 @@ impl Navigation {
             roll: camera.roll_deg.to_radians(),
             projection,
             orthographic: matches!(camera.projection, Projection::Orthographic { .. }),
+            framed: false,
         }
     }
 
@@ -123,10 +129,30 @@ impl Navigation {
         Camera { position, target, roll_deg: self.roll.to_degrees(), projection }
     }
 
+    /// What the window shows: the camera, or more around its picture where that would not fit
+    /// into a window of `aspect`.
+    pub fn seen(&self, aspect: f64) -> Camera {
+        let mut camera = self.camera(aspect);
+        let wider = (PICTURE_ASPECT / aspect).max(1.0);
+        let higher = (aspect / PICTURE_ASPECT).max(1.0);
+        match &mut camera.projection {
+            _ if !self.framed => {}
+            Projection::Perspective { vertical_fov_deg } => {
+                let half = (0.5 * vertical_fov_deg.to_radians()).tan();
+                *vertical_fov_deg = (2.0 * (wider * half).atan()).to_degrees().min(170.0);
+            }
+            // The width of the sensor fills the width of the picture.
+            Projection::Lens { focal_length_mm, .. } => *focal_length_mm /= higher,
+            Projection::Orthographic { height } => *height *= wider,
+            Projection::Equirectangular => {}
+        }
+        camera
+    }
+
     /// The lens of this view in `rect`.
     pub fn lens(&self, rect: Rect) -> Lens {
         let aspect = f64::from(rect.width().max(1.0) / rect.height().max(1.0));
-        Lens::new(&self.camera(aspect), rect)
+        Lens::new(&self.seen(aspect), rect)
     }
 
     /// Turns about `about` by a drag, rad to the right and up; `about` keeps its place on
@@ -183,6 +209,7 @@ impl Navigation {
         let radius = (0.5 * high.distance(low)).max(0.01);
         let half = 0.5 * self.projection.vertical_fov(aspect).unwrap_or(1.0);
         let narrow = half.min((half.tan() * aspect).atan());
+        self.framed = false;
         self.pivot = 0.5 * (low + high);
         let fit = if self.orthographic { narrow.tan() } else { narrow.sin() };
         self.distance = (MARGIN * radius / fit).clamp(NEAREST, FARTHEST);
@@ -201,6 +228,7 @@ impl Navigation {
             Side::Bottom => (0.0, STEEPEST),
         };
         self.roll = 0.0;
+        self.framed = false;
     }
 
     /// Between two views, for a move that the eye can follow; `share` 0 is this one.

@@ -173,3 +173,28 @@ fn between_two_views_the_short_way_round() {
     assert!(!(0.2..6.1).contains(&middle), "{middle}");
     assert!(a.toward(&b, 1.0).forward().distance(b.forward()) < 1e-12);
 }
+
+#[test]
+fn all_of_the_picture_fits_into_windows_of_any_shape() {
+    let projections = [
+        Projection::Perspective { vertical_fov_deg: 40.0 },
+        Projection::Lens { focal_length_mm: 24.0, sensor_width_mm: 36.0 },
+        Projection::Orthographic { height: 3000.0 },
+    ];
+    for projection in projections {
+        let camera = Camera { projection, ..Navigation::default().camera(1.0) };
+        let view = Navigation { framed: true, ..Navigation::through(&camera, DVec3::ZERO) };
+        // Where the final picture's corner is in space, in a picture of its own shape.
+        let picture = Rect::from_min_size(pos2(0.0, 0.0), vec2(1600.0, 900.0));
+        let corner = Lens::new(&camera, picture).at_depth(DVec2::ZERO, 3000.0);
+        for (size, margin) in
+            [(vec2(900.0, 900.0), vec2(0.0, 196.875)), (vec2(3200.0, 900.0), vec2(800.0, 0.0))]
+        {
+            let window = Rect::from_min_size(pos2(0.0, 0.0), size);
+            let seen = view.lens(window).project(corner).unwrap();
+            let expected = DVec2::new(f64::from(margin.x), f64::from(margin.y));
+            // The aspect of windows is in f32: 1e-7 of 1600 points.
+            assert!(seen.distance(expected) < 1e-3, "{projection:?} {size}: {seen}");
+        }
+    }
+}

@@ -164,6 +164,25 @@ pub fn camera(painter: &Painter, lens: &Lens, camera: &Camera) {
     (0..3).for_each(|i| line(up[i], up[(i + 1) % 3]));
 }
 
+/// What the final picture holds: the largest rectangle of `aspect`, the rest dimmed.
+pub fn frame(painter: &Painter, window: Rect, aspect: f32) {
+    let size = window.size();
+    let size = Vec2::new(size.x.min(size.y * aspect), size.y.min(size.x / aspect));
+    let picture = Rect::from_center_size(window.center(), size);
+    let (low, high) = (picture.min, picture.max);
+    for rest in [
+        Rect::from_min_max(window.min, Pos2::new(window.max.x, low.y)),
+        Rect::from_min_max(Pos2::new(window.min.x, high.y), window.max),
+        Rect::from_min_max(Pos2::new(window.min.x, low.y), Pos2::new(low.x, high.y)),
+        Rect::from_min_max(Pos2::new(high.x, low.y), Pos2::new(window.max.x, high.y)),
+    ] {
+        if rest.is_positive() {
+            painter.rect_filled(rest, 0.0, Color32::from_black_alpha(96));
+        }
+    }
+    painter.rect_stroke(picture, 0.0, Stroke::new(1.0, Color32::from_white_alpha(120)), StrokeKind::Inside);
+}
+
 /// The line of an axis through the pivot, right across the view.
 pub fn axis_line(painter: &Painter, lens: &Lens, pivot: DVec3, axis: DVec3, color: Color32) {
     let reach = 2e4 * lens.metres_per_point(pivot);
