@@ -4,8 +4,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Align2, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder,
-    emath::Numeric, vec2,
+    self, Align, Align2, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric,
+    vec2,
 };
 use egui_phosphor::regular as icon;
 use glam::{DQuat, DVec3, EulerRot};
