@@ -1,7 +1,7 @@
 //! The one error type: every variant is a sentence that names the thing, the
 //! value and the way out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What can go wrong, told so that the reader knows what to do next.
 #[derive(Debug, thiserror::Error)]
@@ -57,9 +57,10 @@ pub enum Error {
     },
 }
 
+#[cfg(any(feature = "cli", feature = "editor"))]
 impl Error {
     /// A complaint about a scene that says which file it is about.
-    pub(crate) fn in_file(self, file: &Path) -> Self {
+    pub(crate) fn in_file(self, file: &std::path::Path) -> Self {
         match self {
             Self::Scene { path, problem } => {
                 Self::Scene { path: format!("{}: {path}", file.display()), problem }
