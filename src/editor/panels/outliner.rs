@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Rect, Response, ScrollArea, Sense, TextEdit, Ui, pos2, vec2};
+use eframe::egui::{Event, Modifiers, Rect, Response, ScrollArea, Sense, TextEdit, Ui, pos2, vec2};
 use egui_phosphor::regular as icon;
 
 use super::{
@@ -194,7 +194,7 @@ impl Outliner {
     }
 
     fn click(&mut self, ui: &Ui, document: &mut Document, rows: &[Row], row: Row) {
-        let keys = ui.input(|input| input.modifiers);
+        let keys = keys_at_click(ui);
         let place = |row: Row| rows.iter().position(|other| *other == row);
         match (row, self.anchor.and_then(place), place(row)) {
             (_, Some(from), Some(to)) if keys.shift => {
@@ -223,6 +223,17 @@ impl Outliner {
         // The one that was clicked is in sight already.
         self.shown = document.selection().active;
     }
+}
+
+/// The modifiers of the moment of the click: a slow frame may end without them.
+fn keys_at_click(ui: &Ui) -> Modifiers {
+    ui.input(|input| {
+        let let_go = input.events.iter().rev().find_map(|event| match event {
+            Event::PointerButton { pressed: false, modifiers, .. } => Some(*modifiers),
+            _ => None,
+        });
+        let_go.unwrap_or(input.modifiers)
+    })
 }
 
 fn flags_mut(scene: &mut Scene, row: Row) -> (&mut bool, &mut bool) {
