@@ -487,6 +487,10 @@ fn keys_work_and_letters_in_a_text_field_are_text() {
     press(&mut window, Modifiers::NONE, Key::X);
     press(&mut window, Modifiers::NONE, Key::H);
     assert_eq!(window.state().scene().clouds[0].ellipsoids.len(), 7);
+    press(&mut window, Modifiers::NONE, Key::F6);
+    assert!(window.query_by_label("World panel").is_none());
+    press(&mut window, Modifiers::NONE, Key::F8);
+    assert!(window.query_by_label("Back light").is_some());
     press(&mut window, Modifiers::NONE, Key::F1);
     shoot(&mut window, "editor_shortcuts");
     assert!(window.query_by_label("Search the shortcuts").is_some());

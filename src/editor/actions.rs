@@ -64,6 +64,12 @@ pub enum Action {
     ToggleOutliner,
     /// Shows or closes the inspector.
     ToggleInspector,
+    /// Shows the inspector of what is selected.
+    ObjectPanel,
+    /// Shows the inspector of everything else.
+    WorldPanel,
+    /// Shows the controls of the view.
+    ViewPanel,
     /// Dark or light.
     Look(Look),
     /// Everything larger.
@@ -206,6 +212,9 @@ fn window() -> Vec<Entry> {
         own("View", CameraFromView, "Set the scene's camera", &[(CTRL, Key::Num0)], "Takes the final picture from where you look now."),
         own("Window", ToggleOutliner, "Outliner", &[(PLAIN, Key::F5)], "Shows or closes the list on the left."),
         own("Window", ToggleInspector, "Inspector", &[(PLAIN, Key::F6)], "Shows or closes the panel on the right."),
+        own("Window", ObjectPanel, "Object", &[(PLAIN, Key::F7)], "Shows what is selected in the inspector."),
+        own("Window", WorldPanel, "World", &[(PLAIN, Key::F8)], "Shows sun, sky, camera, noise and the rest in the inspector."),
+        own("Window", ViewPanel, "View", &[(PLAIN, Key::F9)], "Shows layers, overlays, pace and statistics in the inspector."),
         own("Window", Look(self::Look::Dark), "Dark", &[], "Light text on dark ground: clouds are judged best in it."),
         own("Window", Look(self::Look::Light), "Light", &[], "Dark text on light ground."),
         own("Window", Look(self::Look::System), "As the system", &[], "Dark or light, as the system has it."),

@@ -4,8 +4,8 @@
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    self, Align, Align2, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder,
-    emath::Numeric, vec2,
+    self, Align, Align2, DragValue, Layout, Rect, Response, RichText, Slider, Ui, UiBuilder, emath::Numeric,
+    vec2,
 };
 use egui_phosphor::regular as icon;
 use glam::{DQuat, DVec3, EulerRot};
@@ -19,7 +19,7 @@ use super::{
 const VALUE_WIDTH: f32 = 74.0;
 
 /// Width kept for the button that resets a field, points.
-const RESET_WIDTH: f32 = 20.0;
+const RESET_WIDTH: f32 = 22.0;
 
 /// Ranges as wide as this, or wider, are dragged rather than slid.
 const SLIDER_SPAN: f64 = 20.0;
@@ -238,7 +238,7 @@ impl<'a> Form<'a> {
 fn rooms(row: Rect) -> [Rect; 3] {
     let (name, rest) = row.split_left_right_at_x(row.left() + LABEL_WIDTH);
     let (widget, reset) = rest.split_left_right_at_x(row.right() - RESET_WIDTH);
-    [name, widget, reset]
+    [name, widget, reset.with_min_x(reset.left() + 6.0)]
 }
 
 fn room_in(ui: &mut Ui, room: Rect) -> Ui {

@@ -43,6 +43,9 @@ impl Editor {
             }
             Action::ToggleOutliner => self.settings.toggle("outliner"),
             Action::ToggleInspector => self.settings.toggle("inspector"),
+            Action::ObjectPanel => self.inspect(Tab::Object),
+            Action::WorldPanel => self.inspect(Tab::World),
+            Action::ViewPanel => self.inspect(Tab::View),
             Action::Look(look) => {
                 self.settings.look = look;
                 self.apply_settings(ctx);
@@ -144,6 +147,14 @@ impl Editor {
     pub(super) fn next_seed(&mut self) -> u64 {
         self.seed += 1;
         self.seed
+    }
+
+    /// Shows one panel of the inspector.
+    fn inspect(&mut self, tab: Tab) {
+        self.tab = tab;
+        if !self.settings.shows("inspector") {
+            self.settings.toggle("inspector");
+        }
     }
 
     fn zoom(&mut self, ctx: &Context, change: impl FnOnce(f32) -> f32) {
