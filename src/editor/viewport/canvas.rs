@@ -14,12 +14,13 @@ use super::{
     settings::Layer,
     statistics::Statistics,
     subject::Subject,
+    work::{Source, Work},
 };
 use crate::{
     Result,
     export::Picture,
     gpu::{Gpu, Timing},
-    render::{Frame, Layers, Pieces, Quality, Renderer, Resolve, Shown, Target},
+    render::{Frame, Quality, Renderer, Resolve, Shown, Target},
 };
 
 const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
@@ -30,8 +31,6 @@ const REST: Duration = Duration::from_millis(160);
 /// for some times as long as the preview's took: it would stop a hand that goes on.
 const PATIENCE: u32 = 6;
 const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
-/// Steps a ray that get the brightest colour of the cost layer.
-pub(super) const COST_RANGE: f32 = 1000.0;
 
 /// How far the picture has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,25 +41,6 @@ pub enum Stage {
     Preview,
     /// Final quality: as `nephos render` draws it.
     Final,
-}
-
-/// A picture under way.
-struct Work {
-    pieces: Pieces,
-    source: Source,
-    stage: Stage,
-    rays: u32,
-    size: [u32; 2],
-    /// Time that the light took, all of it in one go.
-    began: Duration,
-    spent: Duration,
-}
-
-/// What a picture is drawn into before it is shown.
-enum Source {
-    Beauty(wgpu::Texture),
-    Layers(Box<Layers>),
-    Cost(wgpu::Texture),
 }
 
 /// A texture that egui shows.
@@ -294,15 +274,7 @@ impl Canvas {
     fn show(&mut self, work: &Work) -> Result<()> {
         let size = work.size.map(|n| n / work.rays);
         let Some(subject) = &self.subject else { return Ok(()) };
-        let (source, shown) = match (&work.source, subject.layer) {
-            (Source::Beauty(texture), _) => (texture, Shown::Beauty),
-            (Source::Cost(texture), _) => (texture, Shown::Heat(COST_RANGE)),
-            (Source::Layers(layers), Layer::Multiple) => (&layers.multiple, Shown::Light),
-            (Source::Layers(layers), Layer::Air) => (&layers.air, Shown::Light),
-            (Source::Layers(layers), Layer::Transmittance) => (&layers.single, Shown::Transmittance),
-            (Source::Layers(layers), Layer::Normal) => (&layers.normal, Shown::Normal),
-            (Source::Layers(layers), _) => (&layers.single, Shown::Light),
-        };
+        let (source, shown) = work.source.shown(subject.layer);
         let source = (&view(source), work.rays, shown);
         let mut slot = self.screen.take();
         let screen = self.fit(&mut slot, size);

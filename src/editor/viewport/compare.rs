@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use eframe::egui::{Align2, Color32, CursorIcon, Id, Painter, Rect, Sense, Ui, pos2, vec2};
 
-use super::{Viewport, error_map, hud, ink, truth::Truth};
+use super::{Viewport, error_map, hud, ink};
 
 /// All of a texture.
 pub const WHOLE: Rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
@@ -61,10 +61,21 @@ impl Viewport {
         }
     }
 
+    /// Shows the truth beside the preview, or puts it away.
+    pub(super) fn toggle_truth(&mut self) {
+        match self.truth.take() {
+            Some(mut truth) => {
+                truth.stop();
+                self.put_away = truth;
+            }
+            None => self.truth = Some(std::mem::take(&mut self.put_away)),
+        }
+    }
+
     /// Shows the map of differences, and the truth with it where it was not shown.
     pub(super) fn toggle_error_map(&mut self) {
         if self.truth.is_none() {
-            self.truth = Some(Truth::default());
+            self.toggle_truth();
             self.settings.error_map = true;
         } else {
             self.settings.error_map ^= true;

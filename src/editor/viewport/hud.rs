@@ -190,7 +190,7 @@ impl Viewport {
             let at = self.rect.right_bottom() - vec2(MARGIN + 190.0, 66.0);
             let color = |x: f32| HeatMap::color(x);
             let ticks: Vec<_> = [0.0, 10.0, 100.0, 1000.0]
-                .map(|steps: f32| (HeatMap::place(steps, super::canvas::COST_RANGE), format!("{steps:.0}")))
+                .map(|steps: f32| (HeatMap::place(steps, super::work::COST_RANGE), format!("{steps:.0}")))
                 .into();
             scale(painter, at, "Steps of a ray", color, &ticks);
         }

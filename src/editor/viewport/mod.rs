@@ -24,6 +24,7 @@ mod statistics;
 mod subject;
 mod transform;
 mod truth;
+mod work;
 
 use std::time::Duration;
 
@@ -70,6 +71,8 @@ pub struct Viewport {
     operation: Option<Operation>,
     canvas: Canvas,
     truth: Option<Truth>,
+    /// The truth while it is not shown: its texture is used again.
+    put_away: Truth,
 }
 
 /// The preview against the truth.
@@ -109,6 +112,7 @@ impl Viewport {
             operation: None,
             canvas: Canvas::new(gpu, render_state.renderer.clone()),
             truth: None,
+            put_away: Truth::default(),
         }
     }
 
@@ -159,7 +163,7 @@ impl Viewport {
             ToggleOutlines => self.settings.outlines ^= true,
             ToggleGrid => self.settings.grid ^= true,
             Show(layer) => self.settings.layer = layer,
-            ToggleTruth => self.truth = if self.truth.is_none() { Some(Truth::default()) } else { None },
+            ToggleTruth => self.toggle_truth(),
             ToggleErrorMap => self.toggle_error_map(),
             ToggleMeasure => self.settings.measure ^= true,
         }
