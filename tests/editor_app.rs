@@ -424,6 +424,28 @@ fn the_world_is_lit_and_exposed_by_its_panel() {
 }
 
 #[test]
+fn the_sun_is_dragged_on_its_dial_in_one_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Kol);
+    let mut window = open(folder.path(), Some(&path));
+    click(&mut window, "World panel");
+    let dial = window.get_by_label_contains("Sun dial").rect();
+    mouse(&mut window, dial.center() + vec2(0.0, 20.0), Some(true));
+    for x in [10.0, 20.0, 31.0] {
+        mouse(&mut window, dial.center() + vec2(x, 0.0), None);
+    }
+    mouse(&mut window, dial.center() + vec2(31.0, 0.0), Some(false));
+    window.run_steps(2);
+    // To the right of the middle, half way to the horizon at 62 points: east, half way up.
+    let to_sun = window.state().scene().sun.to_sun();
+    let expected = DVec3::new(1.0, 1.0, 0.0).normalize();
+    // Angles are rounded to tenths of degrees.
+    assert!(to_sun.distance(expected) < 0.005, "{to_sun}");
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.state().scene(), &Preset::Kol.scene(1));
+}
+
+#[test]
 fn the_view_panel_chooses_layers_and_tells_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Sphere);
@@ -516,6 +538,21 @@ fn the_final_picture_is_the_one_of_the_command_line() {
     command.args(["render", "--width", "48", "--height", "27", "--adapter", &adapter, "-o"]);
     command.args([&expected, &path]).assert().success();
     assert_eq!(fs::read(there).unwrap(), fs::read(expected).unwrap());
+}
+
+#[test]
+fn a_cancelled_picture_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Sphere);
+    let mut window = open(folder.path(), Some(&path));
+    press(&mut window, Modifiers::NONE, Key::F12);
+    window.get_all_by_label_contains("Render").last().unwrap().click();
+    window.run_steps(3);
+    assert!(window.state_mut().editor().is_rendering());
+    click(&mut window, "Cancel");
+    wait(&mut window, "the end of it", |desk| !desk.editor().is_rendering());
+    assert!(told(&mut window).contains("cancelled"), "{}", told(&mut window));
+    assert!(!folder.path().join("scene.png").exists());
 }
 
 // --- The whole ------------------------------------------------------------------------
