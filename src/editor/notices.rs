@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, Frame, Margin, RichText, Stroke, Ui};
+use eframe::egui::{self, Align, Frame, Layout, Margin, RichText, Stroke, Ui};
 use egui_phosphor::regular as icon;
 
 /// How long good news stays.
@@ -65,14 +65,14 @@ impl Notices {
             frame.show(ui, |ui| {
                 ui.horizontal(|ui| {
                     ui.label(RichText::new(mark).color(color).size(15.0));
-                    let width = ui.available_width() - 76.0;
-                    ui.allocate_ui(egui::vec2(width, 0.0), |ui| {
-                        ui.set_width(width);
-                        ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
+                    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                        if ui.small_button("Dismiss").clicked() {
+                            dismissed = Some(i);
+                        }
+                        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                            ui.add(egui::Label::new(&notice.text).wrap().selectable(true));
+                        });
                     });
-                    if ui.small_button("Dismiss").clicked() {
-                        dismissed = Some(i);
-                    }
                 });
             });
         }

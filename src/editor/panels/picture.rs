@@ -73,8 +73,8 @@ impl PicturePanel {
             Grid::new("picture").num_columns(2).spacing([14.0, 8.0]).show(ui, |ui| {
                 self.size_row(ui);
                 self.quality_row(ui);
-                ui.weak("Ground");
-                ui.checkbox(&mut self.transparent, "Transparent: clouds without the sky");
+                ui.weak("Sky");
+                ui.checkbox(&mut self.transparent, "Leave it out: clouds on a transparent ground");
                 ui.end_row();
                 ui.weak("Layers");
                 let is_exr = self.path.trim().to_lowercase().ends_with(".exr");
@@ -92,7 +92,8 @@ impl PicturePanel {
             ui.add_space(10.0);
             ui.horizontal(|ui| {
                 let render =
-                    eframe::egui::Button::new(RichText::new(format!("{} Render", icon::IMAGE)).strong());
+                    eframe::egui::Button::new(RichText::new(format!("{} Render", icon::IMAGE)).strong())
+                        .fill(ui.visuals().selection.bg_fill);
                 if ui.add_enabled(problem.is_none(), render).clicked() {
                     answer = Answer::Chosen(PictureWish::Render);
                 }
