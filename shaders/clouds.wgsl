@@ -3,7 +3,7 @@
 // its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
 // an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
 // homogeneous and integrated in closed form, the rest is sampled.
-// @use camera density noise light_box phase eddington random atmosphere
+// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere
 
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -20,8 +20,8 @@ struct Cloud {
     // Altitude of the cloud's base and top above the ground, m.
     base: f32,
     top: f32,
-    // Length over which a slab is fitted to the cloud, m.
-    slab_length: f32,
+    // Mean free path in the core of the medium without the peak, m.
+    mean_free_path: f32,
     // Farthest distance of the aerial perspective, m.
     aerial_range: f32,
     // First step behind an edge, as a share of the boundary, and growth of the steps.
@@ -35,10 +35,13 @@ struct Cloud {
     longest_step: f32,
     // Angular radius of the sun's disc, rad; 0 where the sky shows none.
     sun_radius: f32,
-    padding_y: f32,
-    padding_z: f32,
+    // Optical depth in the slab table's medium that is like one of this.
+    similarity: f32,
+    padding: f32,
     // Distance of what the caller drew = x / (y + z depth) along the view axis.
     scene_depth: vec4f,
+    // Legendre moments of the phase function over those of the slab table's, degree 0 to 3.
+    degrees: vec4f,
     sun: LightBox,
     sky: LightBox,
 }
@@ -56,12 +59,23 @@ override COUNTING: bool = false;
 override ATMOSPHERE: bool = true;
 override SKY_LIGHT: bool = true;
 override SCENE_DEPTH: bool = false;
-override MULTIPLE: bool = true;
+// How multiple scattering is found.
+override TRANSPORT: u32 = 1u;
 override PEAK: bool = true;
 override NORMALS: bool = false;
 override ABSORBING: bool = false;
 override SUN_SAMPLES: u32 = 3u;
+// Whether Kol's and Bouthors' slabs take their light from the direct table.
+override DIRECT_TABLE: bool = false;
+// Points of a ray at which diffuse light is found, at most 8.
+override LIGHT_NODES: u32 = 6u;
 override MAX_STEPS: u32 = 512u;
+
+const SINGLE: u32 = 0u;
+const DELTA_EDDINGTON: u32 = 1u;
+const SLAB: u32 = 2u;
+const SLAB_KOL: u32 = 3u;
+const SLAB_BOUTHORS: u32 = 4u;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> cloud: Cloud;
@@ -82,6 +96,14 @@ override MAX_STEPS: u32 = 512u;
 @group(0) @binding(16) var aerial: texture_3d<f32>;
 @group(0) @binding(17) var scene_depth: texture_depth_2d;
 @group(0) @binding(18) var<uniform> air: Atmosphere;
+// Tables of slabs, by what the transport needs: the source moments and their remainder, or
+// the direct table and its phase functions, or Bouthors' functions.
+@group(0) @binding(20) var slab_volume: texture_3d<f32>;
+@group(0) @binding(21) var slab_angles: texture_2d<f32>;
+@group(0) @binding(22) var slab_views: texture_2d<f32>;
+@group(0) @binding(23) var slab_suns: texture_2d<f32>;
+@group(0) @binding(24) var slab_entries: texture_2d<f32>;
+@group(0) @binding(25) var slab_offsets: texture_2d<f32>;
 @group(0) @binding(19) var<storage, read_write> counters: array<atomic<u32>, 12>;
 
 // What `--stats` counts, in pairs of low and high words.
@@ -229,38 +251,105 @@ fn facing_at(v: Varyings, p: vec3f) -> vec3f {
     return sum / weights;
 }
 
-// Source of sunlight scattered more than once, per unit of irradiance: delta-Eddington in
-// the slab that fits the cloud here, less what leaves by the sides that a slab has not.
-// `depth` is the cloud's own optical depth to the sun, `shadow` that of other clouds, which
-// dims the beam and lets through what it scatters straight on.
-fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: f32) -> f32 {
-    count(MAP_READS, 3u);
+// Our slab around `uv`, over `length` metres; it holds the point at hand.
+fn fitted_slab(uv: vec2f, length: f32, facing: vec3f, depth: f32) -> SlabFit {
+    count(MAP_READS, 2u);
+    var fit = slab_fit(cloud.sun, sun_depths, sun_normals, clamped, uv, length, facing);
+    fit.thickness = max(fit.thickness, depth);
+    return fit;
+}
+
+// Source of sunlight scattered more than once, per unit of irradiance, less what leaves by
+// the sides that a slab has not. `depth` is the cloud's own optical depth to the sun,
+// `shadow` that of other clouds, which dims the beam and lets through what it scatters
+// straight on.
+fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: f32) -> vec3f {
     let g = cloud.asymmetry;
     let uv = light_box_coordinate(cloud.sun, p).xy;
-    let level = log2(max(cloud.slab_length / cloud.sun.texel, 1.0));
-    let map = textureSampleLevel(sun_depths, clamped, uv, level);
-    let lit = textureSampleLevel(sun_normals, clamped, uv, level).xyz / max(map.w, 1e-3);
-    // A lump's far side is lit through the lump: only its sides turn the slab.
     let around = facing_at(v, p);
-    let facing = around - min(dot(around, cloud.to_sun), 0.0) * cloud.to_sun;
-    let normal = normalize(lit + facing + 1e-3 * cloud.to_sun);
-    let mu0 = clamp(dot(normal, cloud.to_sun), 0.2, 1.0);
-    let thickness = max(map.z / max(map.w, 1e-3), depth);
-    let source = exp(-(1.0 - max(g, 0.0) * g) * shadow)
-        * eddington_beam(g, mu0, mu0 * depth, mu0 * thickness, dot(direction, normal));
+    let away = min(dot(around, cloud.to_sun), 0.0);
+    let facing = (1.0 + away) * (around - away * cloud.to_sun);
+    count(MAP_READS, 1u);
     let open = openness_at(p);
-    let faces = diffuse_conductance(g, mu0 * depth) + diffuse_conductance(g, mu0 * (thickness - depth));
-    let lossy = source * side_loss(faces, open.x + open.y + open.z - faces);
-    if ABSORBING {
-        return lossy * absorbed(cloud.albedo, g, depth);
+    var source = 0.0;
+    if TRANSPORT == DELTA_EDDINGTON {
+        let fit = fitted_slab(uv, cloud.mean_free_path / (1.0 - g), facing, depth);
+        let kept = kept_by_sides(fit, depth, open);
+        source = kept * eddington_beam(g, fit.mu0, fit.mu0 * depth, fit.mu0 * fit.thickness, dot(direction, fit.normal));
+    } else {
+        source = slab_sets(uv, direction, facing, depth, open);
     }
-    return lossy;
+    source *= exp(-(1.0 - max(g, 0.0) * g) * shadow);
+    var light = vec3f(source);
+    if TRANSPORT == SLAB {
+        count(MAP_READS, 1u);
+        let at = vec2f(phase_coordinate(-cloud.to_sun, -direction), slab_path_coordinate(depth + shadow));
+        light += textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
+    }
+    if ABSORBING {
+        light *= absorbed(cloud.albedo, g, depth);
+    }
+    return max(light, vec3f(0.0));
+}
+
+// What the sides leave of light that has wandered as deep as `depth`. Of the six ways out of
+// a cloud those along the slab's normal are its faces.
+fn kept_by_sides(fit: SlabFit, depth: f32, open: vec3f) -> f32 {
+    let faces = diffuse_conductance(cloud.asymmetry, fit.mu0 * depth)
+        + diffuse_conductance(cloud.asymmetry, fit.mu0 * (fit.thickness - depth));
+    let upright = fit.normal.y * fit.normal.y;
+    return side_loss(faces, (open.x + open.z) * (1.0 - upright) + 0.5 * open.y * (1.0 + upright));
+}
+
+// Kol's and Bouthors' light: that of slabs at one point of the ray, for all that is behind.
+// Their slabs have no sides to lose light by.
+fn slab_radiance(p: vec3f, direction: vec3f) -> f32 {
+    var radiance = 0.0;
+    let uv = light_box_coordinate(cloud.sun, p).xy;
+    var fit = slab_fit_kol(cloud.sun, sun_depths, sun_normals, clamped, uv);
+    count(MAP_READS, select(0u, fit.reads, TRANSPORT == SLAB_KOL));
+    for (var orders = 0u; orders < SLAB_SETS; orders++) {
+        if TRANSPORT == SLAB_BOUTHORS {
+            fit = slab_fit_bouthors(cloud.sun, sun_depths, sun_normals, slab_entries, slab_offsets, clamped, orders, p,
+                -direction, cloud.mean_free_path);
+            count(MAP_READS, fit.reads);
+        }
+        let view = slab_fit_view(fit, p, -direction, cloud.to_sun, cloud.mean_free_path / cloud.similarity);
+        count(MAP_READS, 3u);
+        if DIRECT_TABLE {
+            radiance += slab_direct(slab_volume, slab_angles, clamped, orders, view);
+        } else {
+            radiance += slab_functions(slab_angles, slab_views, slab_suns, clamped, orders, view);
+        }
+    }
+    return radiance;
+}
+
+// The sets of orders of scattering, each from the slab that fits the cloud over its spread.
+fn slab_sets(uv: vec2f, direction: vec3f, facing: vec3f, depth: f32, open: vec3f) -> f32 {
+    var source = 0.0;
+    var thickness = depth;
+    for (var orders = 0u; orders < SLAB_SETS; orders++) {
+        let spread = slab_spread(orders, cloud.similarity * thickness, cloud.similarity * depth) / cloud.similarity;
+        let fit = fitted_slab(uv, spread * cloud.mean_free_path, facing, depth);
+        thickness = fit.thickness;
+        let mu = dot(direction, fit.normal);
+        let x = dot(direction, cloud.to_sun) - mu * fit.mu0;
+        let scale = cloud.similarity * fit.mu0;
+        count(MAP_READS, 2u);
+        let light = slab_source(slab_volume, clamped, orders, scale * fit.thickness, scale * depth,
+            fit.mu0, mu, x, cloud.degrees);
+        // The light has wandered deeper than where it is now.
+        let wandered = min(depth + 0.5 * spread, max(depth, 0.5 * fit.thickness));
+        source += light * kept_by_sides(fit, wandered, open);
+    }
+    return source;
 }
 
 // Conductances from a point up, to the four sides together, and down.
 fn openness_at(p: vec3f) -> vec3f {
     let depths = textureSampleLevel(sky_volume, clamped, light_box_coordinate(cloud.sky, p), 0.0).rgb;
-    return vec3f(diffuse_conductance(cloud.asymmetry, depths.x), 4.0 * depths.z,
+    return vec3f(diffuse_conductance(cloud.asymmetry, depths.x), 4.0 * diffuse_conductance(cloud.asymmetry, depths.z),
         diffuse_conductance(cloud.asymmetry, depths.y));
 }
 
@@ -271,8 +360,8 @@ fn diffuse_weights(p: vec3f) -> vec3f {
     let weights = open / (open.x + open.y + open.z);
     if ABSORBING {
         // Back from the largest conductance to the smallest optical depth.
-        let nearest = (1.0 / max(open.x, open.z) - 2.0 / 3.0) / max(1.0 - cloud.asymmetry, 1e-3);
-        return weights * absorbed(cloud.albedo, cloud.asymmetry, max(nearest, 0.0));
+        let nearest = diffuse_depth(cloud.asymmetry, max(open.x, open.z));
+        return weights * absorbed(cloud.albedo, cloud.asymmetry, nearest);
     }
     return weights;
 }
@@ -283,33 +372,72 @@ struct March {
     // Full optical depth, peak included.
     optical_depth: f32,
     single: f32,
-    multiple: f32,
+    multiple: vec3f,
     // Sunlight that other clouds let through to what is seen.
     sunlit: f32,
     // Sky, horizon, ground.
     diffuse: vec3f,
+    // Sum of all weights so far.
+    gathered: f32,
     // Distance and height, weighted by what is seen.
     distance: f32,
     height: f32,
     normal: vec3f,
 }
 
+// A point of a ray at which diffuse light is found, for all that is seen around it.
+struct Node {
+    t: f32,
+    // Optical depth to the sun, and the part of it in the shadow of other clouds.
+    depth: vec2f,
+    seen: f32,
+}
+
+const MOST_NODES: u32 = 8u;
+var<private> nodes: array<Node, MOST_NODES>;
+
 fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
     let p = ray.origin + t * ray.direction;
     let depth = sun_depth(v, p, blur);
+    // Nodes share the opacity of the ray evenly; each lies where half of its share is gathered.
+    let gathered = (*m).gathered;
+    let node = min(u32((gathered + 0.5 * seen) * f32(LIGHT_NODES)), LIGHT_NODES - 1u);
+    if nodes[node].seen == 0.0 || gathered * f32(LIGHT_NODES) < f32(node) + 0.5 {
+        nodes[node].t = t;
+        nodes[node].depth = depth;
+    }
+    nodes[node].seen += seen;
+    (*m).gathered += seen;
     (*m).single += seen * exp(-depth.x);
     (*m).sunlit += seen * exp(-depth.y);
-    if MULTIPLE {
-        (*m).multiple += seen * multiple_source(v, p, ray.direction, max(depth.x - depth.y, 0.0), depth.y);
-    }
-    if SKY_LIGHT {
-        (*m).diffuse += seen * diffuse_weights(p);
-    }
     if NORMALS {
         (*m).normal += seen * facing_at(v, p);
     }
     (*m).distance += seen * t;
     (*m).height += seen * p.y;
+}
+
+// Diffuse light changes slowly: it is found at the nodes alone, after the march.
+fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
+    var first = true;
+    for (var i = 0u; i < LIGHT_NODES; i++) {
+        let node = nodes[i];
+        if node.seen > 0.0 {
+            let p = ray.origin + node.t * ray.direction;
+            if TRANSPORT >= SLAB_KOL {
+                if first {
+                    (*m).multiple += (*m).gathered * exp(-node.depth.y) * slab_radiance(p, ray.direction);
+                }
+                first = false;
+            } else if TRANSPORT != SINGLE {
+                let own = max(node.depth.x - node.depth.y, 0.0);
+                (*m).multiple += node.seen * multiple_source(v, p, ray.direction, own, node.depth.y);
+            }
+            if SKY_LIGHT {
+                (*m).diffuse += node.seen * diffuse_weights(p);
+            }
+        }
+    }
 }
 
 // Optical depth of the first step in a homogeneous core.
@@ -321,8 +449,8 @@ const SPARE_STEPS: u32 = 256u;
 
 // Ends a ray that is as good as opaque: nothing gets through, and the little light that
 // was not gathered is like what was.
-fn close(m: ptr<function, March>, unlit: f32) {
-    let share = 1.0 / (1.0 - (*m).transmittance - unlit);
+fn close(m: ptr<function, March>) {
+    let share = 1.0 / (1.0 - (*m).transmittance);
     (*m).single *= share;
     (*m).multiple *= share;
     (*m).sunlit *= share;
@@ -335,7 +463,7 @@ fn close(m: ptr<function, March>, unlit: f32) {
 }
 
 fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
-    var m = March(1.0, 0.0, 0.0, 0.0, 0.0, vec3f(0.0), 0.0, 0.0, vec3f(0.0));
+    var m = March(1.0, 0.0, 0.0, vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
     var stretch = Stretch(0.0, false, 0.0, 0.0);
     var step = 0.0;
@@ -387,8 +515,6 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         m.transmittance *= through;
         m.optical_depth += optical_depth;
         if m.transmittance < opaque {
-            close(&m, unlit);
-            unlit = 0.0;
             break;
         }
         // In clear air step to where matter can begin at the soonest; inside, steps grow.
@@ -400,6 +526,12 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
     }
     if unlit > 0.0 {
         add_light(v, &m, ray, last, unlit, pixel_footprint(camera, last));
+    }
+    if TRANSPORT != SINGLE || SKY_LIGHT {
+        add_diffuse_light(v, &m, ray);
+    }
+    if m.transmittance < opaque {
+        close(&m);
     }
     return m;
 }

@@ -1,5 +1,5 @@
 // How well the light of sky, horizon and ground reaches each voxel of a cloud: optical
-// depth up, optical depth down, and mean conductance to the sides. The light is diffuse,
+// depth up, down, and that which conducts as the sides do on average. The light is diffuse,
 // so the noise is left out. One thread a voxel.
 // @use density light_box eddington
 
@@ -49,5 +49,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let depth = optical_depth_along(p, vec3f(cos(angle), 0.0, sin(angle)), aside, blur);
         sides += diffuse_conductance(box.asymmetry, depth) / f32(SIDES);
     }
-    textureStore(volume, id, vec4f(min(vec2f(above, below), vec2f(30000.0)), sides, 0.0));
+    let beside = diffuse_depth(box.asymmetry, sides);
+    textureStore(volume, id, vec4f(min(vec3f(above, below, beside), vec3f(30000.0)), 0.0));
 }

@@ -212,3 +212,12 @@ fn path_tracing_writes_its_error_beside_the_picture() {
         assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
     }
 }
+
+#[test]
+fn tables_that_cannot_be_made_or_compared_are_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = complaint(&["tables", "slab", "-o", &in_folder(&folder, "missing")], 1);
+    assert!(text.contains("missing"), "{text}");
+    let text = complaint(&["tables", "check", "--samples", "0"], 1);
+    assert!(text.contains("--samples 0"), "{text}");
+}

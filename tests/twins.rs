@@ -23,8 +23,16 @@ struct Twin {
 }
 
 /// Covered elsewhere, with the reason.
-const ELSEWHERE: &[(&str, &str)] =
-    &[("noise_at", "reads a texture: tests/noise.rs compares it with the baked volume")];
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("noise_at", "reads a texture: tests/noise.rs compares it with the baked volume"),
+    ("slab_source", "reads the table: tests/slab_render.rs compares it with the reference"),
+    ("slab_fit_of", "reads sun maps, as the next: tests/slab_render.rs holds pictures against slabs"),
+    ("slab_fit", "the same"),
+    ("slab_fit_kol", "the same"),
+    ("slab_fit_gaussian", "the same"),
+    ("slab_fit_view", "the same"),
+    ("slab_fit_bouthors", "the same"),
+];
 
 fn unit(e: &[[f64; 4]; 7], p: DVec3, w: f64) -> DVec3 {
     let (q, r, c) = ellipsoid(e);
@@ -386,6 +394,26 @@ fn twins() -> Vec<Twin> {
             0.0,
         ),
         twin(
+            "diffuse_depth",
+            "eddington",
+            "return vec4f(diffuse_depth(x[0].x, diffuse_conductance(x[0].x, x[0].y)));",
+            grid(&[0.0, 0.73, 0.9], &[0.0, 0.5, 30.0], &[0.0], &[0.0]),
+            |x| one(x[0][1]),
+            1e-5,
+            // The difference of two resistances, of which one is 2/3.
+            3e-6,
+        ),
+        twin(
+            "slab_path_coordinate",
+            "slab",
+            "return vec4f(slab_path_coordinate(x[0].x));",
+            grid(&[0.0, 1e-3, 4.0, 300.0], &[0.0], &[0.0], &[0.0]),
+            // The texture's rows lie at paths 4 c / (1 - c).
+            |x| one(x[0][0] / (x[0][0] + 4.0)),
+            1e-6,
+            0.0,
+        ),
+        twin(
             "absorbed",
             "eddington",
             "return vec4f(absorbed(x[0].x, x[0].y, x[0].z));",
@@ -616,11 +644,13 @@ fn shader_functions_agree_with_their_references() {
 fn every_shader_function_has_a_twin() {
     let twins: Vec<_> = twins().iter().map(|twin| twin.name).collect();
     let sky = concat!(include_str!("atmosphere.rs"), include_str!("sky.rs"));
+    let slab = include_str!("slab_shader.rs");
     for (module, source) in LIBRARY {
         for line in source.lines().filter_map(|line| line.strip_prefix("fn ")) {
             let name = line.split('(').next().unwrap_or_default();
             let elsewhere = ELSEWHERE.iter().any(|(known, _)| *known == name)
-                || (["air", "atmosphere"].contains(module) && sky.contains(name));
+                || (["air", "atmosphere"].contains(module) && sky.contains(name))
+                || (module.starts_with("slab") && slab.contains(name));
             assert!(twins.contains(&name) || elsewhere, "`{name}` of shaders/lib/{module}.wgsl has no twin");
         }
     }

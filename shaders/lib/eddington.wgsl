@@ -31,6 +31,11 @@ fn diffuse_conductance(g: f32, optical_depth: f32) -> f32 {
     return 1.0 / (2.0 / 3.0 + (1.0 - g) * optical_depth);
 }
 
+// The optical depth that conducts diffuse light so well; the inverse of the above.
+fn diffuse_depth(g: f32, conductance: f32) -> f32 {
+    return max(1.0 / conductance - 2.0 / 3.0, 0.0) / max(1.0 - g, 1e-3);
+}
+
 // What leaves a slab by its two faces, of all that leaves a cloud with six: the slab has
 // no sides, the cloud has. `faces` and `sides` are conductances from a point. The share of
 // the sides that counts is fitted to path traced pictures of humilis, mediocris, congestus

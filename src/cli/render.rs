@@ -14,7 +14,7 @@ use crate::{
     export::{self, Picture},
     gpu::{self, Gpu, PassTime, Timing},
     reference::PathTracer,
-    render::{Counts, Frame, Quality, Renderer, Target, Transport},
+    render::{Counts, Frame, Quality, Renderer, SlabTable, Target, Transport},
     scene::Scene,
 };
 
@@ -36,8 +36,11 @@ pub struct Render {
     #[arg(long, value_enum, default_value_t = QualityName::Final)]
     quality: QualityName,
     /// How light inside clouds is found.
-    #[arg(long, value_enum, default_value_t = TransportName::DeltaEddington)]
+    #[arg(long, value_enum, default_value_t = TransportName::Slab)]
     transport: TransportName,
+    /// Where slab-kol and slab-bouthors take their light from.
+    #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
+    slab_table: SlabTableName,
     /// Samples of each pixel, for `--transport path`; each carries one channel.
     #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
     spp: u32,
@@ -74,8 +77,22 @@ enum TransportName {
     Single,
     /// Also multiple scattering, in closed form.
     DeltaEddington,
+    /// Multiple scattering from tables of slabs, set of orders by set.
+    Slab,
+    /// One slab for all orders, at one level of the sun maps, as Kol (2013).
+    SlabKol,
+    /// A slab for each set, found by iteration, as Bouthors (2008): slow.
+    SlabBouthors,
     /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
     Path,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SlabTableName {
+    /// Bouthors' functions, fitted.
+    Functions,
+    /// A table of their light itself.
+    Direct,
 }
 
 /// What `--json` tells.
@@ -132,7 +149,15 @@ impl Render {
         };
         renderer.transport = match self.transport {
             TransportName::Single => Transport::Single,
-            TransportName::DeltaEddington | TransportName::Path => Transport::DeltaEddington,
+            TransportName::SlabKol => Transport::SlabKol,
+            TransportName::SlabBouthors => Transport::SlabBouthors,
+            TransportName::DeltaEddington => Transport::DeltaEddington,
+            // What is drawn beside a path traced picture has no clouds.
+            TransportName::Slab | TransportName::Path => Transport::Slab,
+        };
+        renderer.slab_table = match self.slab_table {
+            SlabTableName::Functions => SlabTable::Functions,
+            SlabTableName::Direct => SlabTable::Direct,
         };
         renderer.counting = self.stats;
         renderer.timing = self.stats.then(|| Timing::new(gpu));

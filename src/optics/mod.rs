@@ -15,6 +15,7 @@ pub mod droplets;
 pub mod mie;
 pub mod peak;
 pub mod phase;
+pub mod slab;
 pub mod table;
 pub mod water;
 

@@ -1,7 +1,7 @@
 //! The pass that marches clouds: one draw a cloud, far ones first, over tiles that the
 //! cloud can touch.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use glam::Vec3;
 
@@ -9,6 +9,8 @@ use super::{
     CameraUniform, Quality, SceneDepth, Transport,
     frame::{CloudFrame, Frame},
     light::{CloudLight, LightBox},
+    optics::{CloudOptics, OpticsTextures},
+    slab_textures::SlabTextures,
     stats::Counters,
     tiles::Cover,
 };
@@ -26,7 +28,7 @@ pub struct CloudUniform {
     pub(super) albedo: f32,
     pub(super) base: f32,
     pub(super) top: f32,
-    pub(super) slab_length: f32,
+    pub(super) mean_free_path: f32,
     pub(super) aerial_range: f32,
     pub(super) first_step: f32,
     pub(super) growth: f32,
@@ -34,8 +36,10 @@ pub struct CloudUniform {
     pub(super) sun_reach: f32,
     pub(super) longest_step: f32,
     pub(super) sun_radius: f32,
-    pub(super) padding: [f32; 2],
+    pub(super) similarity: f32,
+    pub(super) padding: f32,
     pub(super) scene_depth: [f32; 4],
+    pub(super) degrees: [f32; 4],
     pub(super) sun: LightBox,
     pub(super) sky: LightBox,
 }
@@ -48,27 +52,31 @@ pub(super) struct Variant {
     pub atmosphere: bool,
     pub sky_light: bool,
     pub scene_depth: bool,
-    pub multiple: bool,
+    pub transport: Transport,
+    pub direct_table: bool,
     pub peak: bool,
     pub normals: bool,
     pub absorbing: bool,
     pub sun_samples: u32,
+    pub light_nodes: u32,
     pub max_steps: u32,
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+    pub fn overrides(&self) -> [(&'static str, f64); 12] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
-            ("MULTIPLE", flag(self.multiple)),
+            ("TRANSPORT", f64::from(self.transport as u8)),
+            ("DIRECT_TABLE", flag(self.direct_table)),
             ("PEAK", flag(self.peak)),
             ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
             ("SUN_SAMPLES", f64::from(self.sun_samples)),
+            ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
     }
@@ -96,6 +104,7 @@ pub(super) struct Shared<'a> {
     pub counting: bool,
     pub atmosphere: bool,
     pub lit_by_sky: bool,
+    pub slab: &'a SlabTextures,
 }
 
 /// A cloud ready to be drawn.
@@ -109,11 +118,16 @@ pub(super) struct Draw {
 pub(super) struct CloudsPass {
     module: wgpu::ShaderModule,
     pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// Of the optics of clouds drawn lately.
+    optics: Vec<(Arc<CloudOptics>, OpticsTextures)>,
 }
+
+/// Most optics that are kept; a scene may have more, which then wait for nothing but time.
+const MOST_OPTICS: usize = 32;
 
 impl CloudsPass {
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new() }
+        Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new(), optics: Vec::new() }
     }
 
     /// Compiles what is missing and binds one cloud; nothing where it is out of the picture.
@@ -135,8 +149,21 @@ impl CloudsPass {
             .pipelines
             .entry((variant, format))
             .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
-        let group = bind(shared, cloud, light, &uniform, &cover, &pipeline.get_bind_group_layout(0));
+        let layout = pipeline.get_bind_group_layout(0);
+        let optics = self.textures(shared, &cloud.optics);
+        let group = bind(shared, cloud, light, optics, &uniform, &cover, &layout);
         Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
+    }
+
+    /// The tables of `optics` on the device, uploaded when first needed.
+    fn textures(&mut self, shared: &Shared<'_>, optics: &Arc<CloudOptics>) -> &OpticsTextures {
+        let place =
+            self.optics.iter().position(|(known, _)| Arc::ptr_eq(known, optics)).unwrap_or_else(|| {
+                self.optics.truncate(MOST_OPTICS - 1);
+                self.optics.insert(0, (optics.clone(), optics.upload(shared.device, shared.queue)));
+                0
+            });
+        &self.optics[place].1
     }
 
     /// Records one piece of a draw.
@@ -163,26 +190,27 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         atmosphere: shared.atmosphere,
         sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),
-        multiple: lit && shared.transport == Transport::DeltaEddington,
+        transport: if lit { shared.transport } else { Transport::Single },
+        direct_table: lit && shared.slab.is_direct(),
         peak: lit && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
         sun_samples: if lit { shared.quality.sun_samples } else { 0 },
+        light_nodes: shared.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: shared.quality.max_steps,
     }
 }
 
 /// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
 const SUN_REACH: f32 = 2.5;
-/// Length over which a slab is fitted, in transport mean free paths.
-const SLAB_LENGTH: f32 = 1.0;
+/// Room for light nodes in the shader.
+const MOST_NODES: u32 = 8;
 
 fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> CloudUniform {
     let frame = shared.frame;
     let optics = &cloud.optics;
     let ground = frame.scene.ground.altitude;
     let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
-    let transport_path = 1.0 / (densest * (1.0 - optics.chop) * (1.0 - optics.asymmetry));
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
         chop: optics.chop,
@@ -192,7 +220,7 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         albedo: optics.albedo,
         base: (cloud.origin.y - cloud.half.y - ground) as f32,
         top: (cloud.origin.y + cloud.half.y - ground) as f32,
-        slab_length: SLAB_LENGTH * transport_path,
+        mean_free_path: 1.0 / (densest * (1.0 - optics.chop)),
         aerial_range: shared.aerial_range,
         first_step: shared.quality.first_step,
         growth: shared.quality.growth,
@@ -205,7 +233,9 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
             // A point is drawn as a disc too: it must not read as none.
             ((0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32).max(1e-6)
         },
-        padding: [0.0; 2],
+        similarity: optics.similarity,
+        padding: 0.0,
+        degrees: optics.degrees,
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
         sun: light.sun_box,
         sky: light.sky_box,
@@ -216,6 +246,7 @@ fn bind(
     shared: &Shared<'_>,
     cloud: &CloudFrame,
     light: &CloudLight,
+    optics: &OpticsTextures,
     uniform: &CloudUniform,
     cover: &Cover,
     layout: &wgpu::BindGroupLayout,
@@ -226,8 +257,8 @@ fn bind(
     let tiles = gpu::storage_buffer(device, "tiles", &cover.tiles);
     let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
     let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
-    let phase = cloud.optics.upload(device, shared.queue);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+    let planes = shared.slab.planes().unwrap_or([&optics.remainder; 4]);
     gpu::bind_group(
         device,
         "cloud",
@@ -242,7 +273,7 @@ fn bind(
             texture(shared.noise_volume),
             Some(wgpu::BindingResource::Sampler(shared.repeat)),
             Some(wgpu::BindingResource::Sampler(shared.clamped)),
-            texture(&phase),
+            texture(&optics.phase),
             texture(&light.sun_volume),
             texture(&light.sun_depths),
             texture(&light.sun_normals),
@@ -253,6 +284,12 @@ fn bind(
             texture(shared.depth.map_or(shared.no_depth, |depth| depth.view)),
             Some(shared.air.as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
+            texture(shared.slab.volume().unwrap_or(shared.noise_volume)),
+            texture(shared.slab.angles().unwrap_or(&optics.remainder)),
+            texture(planes[0]),
+            texture(planes[1]),
+            texture(planes[2]),
+            texture(planes[3]),
         ],
     )
 }

@@ -6,10 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{camera::CameraUniform, ellipsoids::EllipsoidUniform, noise::NoiseFrame, optics::CloudOptics};
-use crate::{
-    Error, Result,
-    scene::{Droplets, Scene},
-};
+use crate::{Error, Result, scene::Scene};
 
 /// A scene at one moment, seen by one camera, for one size of picture.
 #[derive(Debug, Clone)]
@@ -76,15 +73,9 @@ impl Frame {
 
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     let mut frames = Vec::new();
-    let mut known: Vec<(&Droplets, Arc<CloudOptics>)> = Vec::new();
     for (index, cloud) in scene.clouds.iter().enumerate() {
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let optics = match known.iter().find(|(droplets, _)| **droplets == cloud.droplets) {
-            Some((_, optics)) => optics.clone(),
-            None => Arc::new(CloudOptics::new(&cloud.droplets)?),
-        };
-        known.push((&cloud.droplets, optics.clone()));
         let others = scene.clouds.iter().enumerate().filter(|(other, _)| *other != index);
         let in_frame = |cloud| move |e| EllipsoidUniform::new(cloud, e, origin);
         frames.push(CloudFrame {
@@ -92,7 +83,7 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             half: 0.5 * (max - min),
             ellipsoids: cloud.ellipsoids.iter().map(in_frame(cloud)).collect(),
             others: others.flat_map(|(_, other)| other.ellipsoids.iter().map(in_frame(other))).collect(),
-            optics,
+            optics: CloudOptics::of(&cloud.droplets)?,
             noise: NoiseFrame::new(&scene.noise, origin),
         });
     }

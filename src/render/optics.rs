@@ -1,6 +1,8 @@
 //! The optics of a cloud's droplets as the shaders take them: a few numbers, and a
 //! table of the phase function split into its forward peak and the rest.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use half::f16;
 
 use crate::{
@@ -8,6 +10,7 @@ use crate::{
     optics::{
         peak::Chopped,
         phase::{Phase, angle_at},
+        slab::{Medium, moments},
     },
     scene::Droplets,
 };
@@ -30,10 +33,45 @@ pub(crate) struct CloudOptics {
     /// Two rows of RGB and one unused, per steradian: albedo times phase function of the
     /// medium without peak, and the peak itself, normalised.
     pub table: Vec<[f16; 4]>,
+    /// Optical depth in the medium of the slab table that is like one of this: what scatters
+    /// more sharply forward counts for less.
+    pub similarity: f32,
+    /// Legendre moments of the phase function over those of the slab table's, degree 0 to 3.
+    pub degrees: [f32; 4],
+    /// The remainder of small angles, [`moments::remainder`]: RGB and one unused, per steradian,
+    /// by rows of optical depth.
+    pub remainder: Vec<[f16; 4]>,
 }
 
+/// Texels of the remainder along the scattering angle and along the optical depth.
+const REMAINDER: [usize; 2] = [256, 48];
+
+/// Moments of the phase function that the remainder is made of.
+const DEGREE: usize = 64;
+
+/// Legendre moments, degree 1 to 3, of the medium that the slab table is made of: green light
+/// in droplets of 6 um without their peak.
+const TABLE_MOMENTS: [f64; 3] = [0.733_771, 0.605_432, 0.383_264];
+
+/// Optics of clouds seen lately: making them takes some milliseconds, and a frame is made
+/// for each picture.
+static KNOWN: Mutex<Vec<(Droplets, Arc<CloudOptics>)>> = Mutex::new(Vec::new());
+const MOST_KNOWN: usize = 32;
+
 impl CloudOptics {
-    pub fn new(droplets: &Droplets) -> Result<Self> {
+    /// The optics of `droplets`, the same every time.
+    pub fn of(droplets: &Droplets) -> Result<Arc<Self>> {
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, optics)) = known.iter().find(|(other, _)| other == droplets) {
+            return Ok(optics.clone());
+        }
+        let optics = Arc::new(Self::new(droplets)?);
+        known.truncate(MOST_KNOWN - 1);
+        known.insert(0, (droplets.clone(), optics.clone()));
+        Ok(optics)
+    }
+
+    fn new(droplets: &Droplets) -> Result<Self> {
         let chopped = Chopped::new(Phase::of(droplets)?);
         let chop = droplets.albedo * chopped.f;
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - chop);
@@ -45,7 +83,13 @@ impl CloudOptics {
             };
             (0..ANGLES).map(texel).collect()
         };
+        let media = [0, 1, 2].map(|channel| Medium::new(|theta| chopped.wide(channel, theta), DEGREE));
+        let g = chopped.asymmetry[1];
+        let over_table = |l: usize| (media[1].chi[l] / TABLE_MOMENTS[l - 1]) as f32;
         Ok(Self {
+            similarity: ((1.0 - g) / (1.0 - TABLE_MOMENTS[0])) as f32,
+            degrees: [1.0, over_table(1), over_table(2), over_table(3)],
+            remainder: remainder(&media),
             chop: chop as f32,
             asymmetry: chopped.asymmetry[1] as f32,
             albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - chop)) as f32,
@@ -53,27 +97,63 @@ impl CloudOptics {
         })
     }
 
-    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-        let texture = crate::gpu::texture(
-            device,
-            &crate::gpu::TextureDesc {
-                label: "phase table",
-                size: [ANGLES as u32, 2, 0],
-                mips: 1,
-                format: wgpu::TextureFormat::Rgba16Float,
-                usage: wgpu::TextureUsages::empty(),
-            },
-        );
-        queue.write_texture(
-            texture.as_image_copy(),
-            bytemuck::cast_slice(&self.table),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(8 * ANGLES as u32),
-                rows_per_image: None,
-            },
-            texture.size(),
-        );
-        texture.create_view(&Default::default())
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> OpticsTextures {
+        OpticsTextures {
+            phase: upload(device, queue, "phase table", &self.table, ANGLES),
+            remainder: upload(device, queue, "slab remainder", &self.remainder, REMAINDER[0]),
+        }
     }
+}
+
+/// The tables of a cloud's optics on a device.
+pub(crate) struct OpticsTextures {
+    pub phase: wgpu::TextureView,
+    pub remainder: wgpu::TextureView,
+}
+
+/// The small-angle remainder of red, green and blue by rows of optical depth, whose places
+/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells.
+fn remainder(media: &[Medium; 3]) -> Vec<[f16; 4]> {
+    let [width, height] = REMAINDER;
+    let cosine: Vec<f64> = (0..width).map(|i| angle_at((i as f64 + 0.5) / width as f64).cos()).collect();
+    let mut texels = Vec::with_capacity(width * height);
+    for row in 0..height {
+        let coordinate = (row as f64 + 0.5) / height as f64;
+        let path = 4.0 * coordinate / (1.0 - coordinate);
+        let terms = media.each_ref().map(|medium| moments::remainder_moments(medium, path));
+        texels.extend(cosine.iter().map(|cosine| {
+            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(moments::series(&terms[channel], *cosine)))
+        }));
+    }
+    texels
+}
+
+fn upload(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    texels: &[[f16; 4]],
+    width: usize,
+) -> wgpu::TextureView {
+    let texture = crate::gpu::texture(
+        device,
+        &crate::gpu::TextureDesc {
+            label,
+            size: [width as u32, (texels.len() / width) as u32, 0],
+            mips: 1,
+            format: wgpu::TextureFormat::Rgba16Float,
+            usage: wgpu::TextureUsages::empty(),
+        },
+    );
+    queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(texels),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(8 * width as u32),
+            rows_per_image: None,
+        },
+        texture.size(),
+    );
+    texture.create_view(&Default::default())
 }

@@ -13,6 +13,8 @@ pub struct Quality {
     pub opaque: f32,
     /// Density samples towards the sun for each sample of a ray.
     pub sun_samples: u32,
+    /// Points of a ray at which diffuse light is found, 1 to 8.
+    pub light_nodes: u32,
     /// Texels across the largest cloud's sun maps and light volume: a power of two.
     pub light_resolution: u32,
     /// Most steps of a ray.
@@ -29,6 +31,7 @@ impl Quality {
         longest_step: 0.5,
         opaque: 0.02,
         sun_samples: 1,
+        light_nodes: 2,
         light_resolution: 32,
         max_steps: 128,
         jitter: true,
@@ -40,6 +43,7 @@ impl Quality {
         longest_step: 0.3,
         opaque: 0.01,
         sun_samples: 2,
+        light_nodes: 3,
         light_resolution: 64,
         max_steps: 256,
         jitter: true,
@@ -51,6 +55,7 @@ impl Quality {
         longest_step: 0.12,
         opaque: 0.003,
         sun_samples: 4,
+        light_nodes: 8,
         light_resolution: 128,
         max_steps: 768,
         jitter: false,

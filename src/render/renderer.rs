@@ -11,6 +11,7 @@ use super::{
     noise,
     sky::Sky,
     sky_settings::SkySettings,
+    slab_textures::{SlabTable, SlabTextures},
     stats::Counters,
     target::{Layers, SceneDepth, Target},
 };
@@ -29,14 +30,29 @@ pub enum Transport {
     Single,
     /// The same, and sunlight scattered more often as in a slab fitted to the cloud,
     /// in the closed form of delta-Eddington.
-    #[default]
     DeltaEddington,
+    /// The same from tables of slabs: each set of orders of scattering has the slab that fits
+    /// the cloud over the spread of its light, and light that keeps its direction but for
+    /// small angles is told apart.
+    #[default]
+    Slab,
+    /// As Kol (2013): one slab at one point of a ray, for all orders, from the sun maps at one
+    /// level of detail everywhere.
+    SlabKol,
+    /// As Bouthors (2008): a slab for each set of orders, under the area where its light
+    /// entered, found by iteration. Slow.
+    SlabBouthors,
 }
 
 impl Transport {
     /// Names and values.
-    pub const ALL: [(&'static str, Self); 2] =
-        [("single", Self::Single), ("delta-eddington", Self::DeltaEddington)];
+    pub const ALL: [(&'static str, Self); 5] = [
+        ("single", Self::Single),
+        ("delta-eddington", Self::DeltaEddington),
+        ("slab", Self::Slab),
+        ("slab-kol", Self::SlabKol),
+        ("slab-bouthors", Self::SlabBouthors),
+    ];
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -49,6 +65,8 @@ pub struct Renderer {
     pub quality: Quality,
     /// How light inside a cloud is found.
     pub transport: Transport,
+    /// Where Kol's and Bouthors' slabs take their light from; nothing else asks.
+    pub slab_table: SlabTable,
     /// Whether to count work; slower.
     pub counting: bool,
     /// Times the passes where the adapter can.
@@ -59,6 +77,7 @@ pub struct Renderer {
     sky: Sky,
     light_pass: LightPass,
     clouds: CloudsPass,
+    slab: Option<((Transport, SlabTable), SlabTextures)>,
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
     repeat: wgpu::Sampler,
@@ -89,6 +108,8 @@ impl Renderer {
             sky: Sky::new(device),
             light_pass: LightPass::new(device),
             clouds: CloudsPass::new(device),
+            slab: None,
+            slab_table: SlabTable::default(),
             compose: None,
             counters: Counters::new(device),
             repeat: gpu::linear_repeat(device),
@@ -259,6 +280,10 @@ impl Renderer {
         self.prepare_sky(encoder, frame);
         self.prepare_noise(frame.scene.noise.seed);
         self.prepare_lights(encoder, frame);
+        let wanted = (self.transport, self.slab_table);
+        if self.slab.as_ref().is_none_or(|(known, _)| *known != wanted) {
+            self.slab = Some((wanted, SlabTextures::new(&self.device, &self.queue, wanted.0, wanted.1)));
+        }
     }
 
     fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
@@ -293,7 +318,7 @@ impl Renderer {
                 seed: *seed,
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
-                openness: self.sky.lights() || self.transport == Transport::DeltaEddington,
+                openness: self.sky.lights() || self.transport != Transport::Single,
                 timing: self.timing.as_ref(),
             };
             let kept = before.next().flatten();
@@ -317,7 +342,7 @@ impl Renderer {
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Vec<Draw> {
-        let Some((_, noise_volume)) = &self.noise else { return Vec::new() };
+        let (Some((_, noise_volume)), Some((_, slab))) = (&self.noise, &self.slab) else { return Vec::new() };
         let shared = Shared {
             device: &self.device,
             queue: &self.queue,
@@ -339,6 +364,7 @@ impl Renderer {
             counting: self.counting,
             atmosphere: self.sky.has_atmosphere(),
             lit_by_sky: self.sky.lights(),
+            slab,
         };
         let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
         let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();

@@ -1,12 +1,11 @@
-//! The tables embedded in this crate: decoded once, checked, with units.
-//!
-//! `tables/README.md` tells how they were made and how accurate they are.
+//! Scattering by water droplets: `tables/mie.bin`.
 
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use half::f16;
 
+use super::bytes::{Reader, seal, whole};
 use crate::optics::phase::Tabulated;
 use crate::{Error, Result};
 
@@ -54,7 +53,7 @@ pub struct MieTable {
 pub fn mie(effective_radius_um: f64) -> Result<MieTable> {
     static DECODED: OnceLock<std::result::Result<MieTables, String>> = OnceLock::new();
     DECODED
-        .get_or_init(|| read(include_bytes!("../tables/mie.bin")))
+        .get_or_init(|| read(include_bytes!("../../tables/mie.bin")))
         .as_ref()
         .map_err(|problem| damaged(problem.clone()))?
         .at(effective_radius_um)
@@ -114,8 +113,7 @@ impl MieTables {
         for phase in self.entries.iter().flat_map(|entry| &entry.phase) {
             bytes.extend(phase.iter().flat_map(|value| value.to_le_bytes()));
         }
-        bytes.extend(checksum(&bytes).to_le_bytes());
-        bytes
+        seal(bytes)
     }
 
     /// The table of an effective radius in micrometres within the range of the
@@ -186,16 +184,9 @@ fn damaged(problem: String) -> Error {
     Error::Table { name: NAME, problem }
 }
 
-/// FNV-1a, 64 bit: Fowler, Noll and Vo, offset basis and prime as in RFC 9923.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
 /// [`MieTables::decode`], with the problem alone as its error.
 fn read(bytes: &[u8]) -> std::result::Result<MieTables, String> {
-    let content = whole(bytes)?;
+    let content = whole(bytes, &MAGIC)?;
     let mut reader = Reader(content);
     let sizes = reader.sizes().ok_or("is too short to tell its sizes")?;
     if content.len() as u64 != sizes.content_bytes() {
@@ -208,20 +199,6 @@ fn read(bytes: &[u8]) -> std::result::Result<MieTables, String> {
         return Err(format!("has {sizes:?}: nothing to read"));
     }
     reader.tables(sizes).ok_or_else(|| "ends early".to_owned())
-}
-
-/// The bytes of a file without its checksum, if they begin as they should and
-/// add up to it.
-fn whole(bytes: &[u8]) -> std::result::Result<&[u8], String> {
-    if !bytes.starts_with(&MAGIC) {
-        return Err(format!("does not begin with \"{}\"", MAGIC.escape_ascii()));
-    }
-    let (content, stored) = bytes.split_last_chunk().ok_or("has no checksum")?;
-    let (stored, computed) = (u64::from_le_bytes(*stored), checksum(content));
-    if stored != computed {
-        return Err(format!("is damaged: its checksum is {stored:016x}, not {computed:016x}"));
-    }
-    Ok(content)
 }
 
 /// The numbers after the magic bytes.
@@ -243,24 +220,7 @@ impl Sizes {
     }
 }
 
-/// What is left to read; `None` at its end.
-struct Reader<'a>(&'a [u8]);
-
 impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (taken, rest) = self.0.split_first_chunk()?;
-        self.0 = rest;
-        Some(*taken)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn f32(&mut self) -> Option<f32> {
-        self.take().map(f32::from_le_bytes)
-    }
-
     /// One value for each channel.
     fn rgb(&mut self) -> Option<[f32; CHANNELS]> {
         Some([self.f32()?, self.f32()?, self.f32()?])
@@ -291,9 +251,5 @@ impl Reader<'_> {
             absorption: self.rgb()?,
             phase: Default::default(),
         })
-    }
-
-    fn f16(&mut self) -> Option<f16> {
-        self.take().map(f16::from_le_bytes)
     }
 }

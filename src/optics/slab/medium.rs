@@ -1,0 +1,86 @@
+//! What fills a slab: droplets that absorb nothing, as the Legendre moments of their
+//! phase function.
+
+use std::f64::consts::PI;
+
+use super::angles::Quadrature;
+use crate::optics::peak::Chopped;
+
+/// A conservative medium, known by its phase function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Medium {
+    /// Legendre moments: chi_l = int P P_l(cos theta) over the sphere. The first is 1, the
+    /// second is the mean cosine.
+    pub chi: Vec<f64>,
+}
+
+impl Medium {
+    /// The medium of phase function `phase`, 1/sr at an angle in rad, up to moment `degree`.
+    pub fn new(phase: impl Fn(f64) -> f64, degree: usize) -> Self {
+        // Even in the square root of the angle: the forward lobe is where moments are made.
+        let rule = Quadrature::new(4000);
+        let mut chi = vec![0.0; degree + 1];
+        for (x, weight) in rule.mu.iter().zip(&rule.weight) {
+            let theta = PI * x * x;
+            let share = weight * 2.0 * PI * x * phase(theta) * 2.0 * PI * theta.sin();
+            let (mut before, mut value) = (0.0, 1.0);
+            for (l, moment) in chi.iter_mut().enumerate() {
+                *moment += share * value;
+                let l = l as f64;
+                (before, value) = (value, ((2.0 * l + 1.0) * theta.cos() * value - l * before) / (l + 1.0));
+            }
+        }
+        let whole = chi[0];
+        Self { chi: chi.into_iter().map(|moment| moment / whole).collect() }
+    }
+
+    /// Droplets without their forward peak, as green light sees them.
+    pub fn chopped(phase: &Chopped, degree: usize) -> Self {
+        Self::new(|theta| phase.wide(1, theta), degree)
+    }
+
+    /// Henyey and Greenstein's phase function of mean cosine `g`: chi_l = g^l.
+    pub fn henyey_greenstein(g: f64, degree: usize) -> Self {
+        Self { chi: (0..=degree).map(|l| g.powi(l as i32)).collect() }
+    }
+
+    /// The highest moment.
+    pub fn degree(&self) -> usize {
+        self.chi.len() - 1
+    }
+
+    /// Its phase function, 1/sr, at the cosine of a scattering angle, as far as the moments tell.
+    pub fn phase(&self, cosine: f64) -> f64 {
+        let (mut before, mut value, mut sum) = (0.0, 1.0, 0.0);
+        for (l, chi) in self.chi.iter().enumerate() {
+            let l = l as f64;
+            sum += (2.0 * l + 1.0) / (4.0 * PI) * chi * value;
+            (before, value) = (value, ((2.0 * l + 1.0) * cosine * value - l * before) / (l + 1.0));
+        }
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optics::phase::henyey_greenstein;
+
+    #[test]
+    fn moments_of_henyey_greenstein_are_powers_of_g() {
+        let medium = Medium::new(|theta| henyey_greenstein(0.85, theta), 60);
+        let exact = Medium::henyey_greenstein(0.85, 60);
+        for (l, (found, right)) in medium.chi.iter().zip(&exact.chi).enumerate() {
+            assert!((found - right).abs() < 1e-9, "l {l}: {found} for {right}");
+        }
+    }
+
+    #[test]
+    fn moments_give_the_phase_function_back() {
+        let medium = Medium::henyey_greenstein(0.6, 80);
+        for theta in [0.0_f64, 0.4, 1.5, 3.0] {
+            let right = henyey_greenstein(0.6, theta);
+            assert!((medium.phase(theta.cos()) - right).abs() < 1e-9 * right.max(1.0), "{theta}");
+        }
+    }
+}
