@@ -185,8 +185,8 @@ fn few_points_of_a_ray_tell_its_diffuse_light() {
 
 /// Light of a picture of each of a sweep of scenes, and the largest jump of a pixel's light
 /// between neighbours that is not a part of a steady change, relative to the brightest.
-fn unsteadiness(scenes: impl Iterator<Item = Scene>) -> f64 {
-    let mut renderer = renderer(Quality { opaque: 1e-3, ..Quality::FINAL }, Transport::Slab);
+fn unsteadiness(transport: Transport, scenes: impl Iterator<Item = Scene>) -> f64 {
+    let mut renderer = renderer(Quality { opaque: 1e-3, ..Quality::FINAL }, transport);
     let pictures: Vec<Picture> = scenes.map(|scene| draw(&mut renderer, &scene, [32, 18], false)).collect();
     let light = |picture: &Picture, i: usize| f64::from(picture.pixels[i][1]);
     let brightest = pictures[0].pixels.iter().map(|pixel| f64::from(pixel[1])).fold(0.0, f64::max);
@@ -221,9 +221,18 @@ fn light_moves_steadily_with_sun_camera_and_cloud() {
         scene.clouds[0].ellipsoids[0].center.x += 0.5 * i as f64;
         scene
     };
-    let found =
-        [unsteadiness((0..8).map(sun)), unsteadiness((0..8).map(camera)), unsteadiness((0..8).map(lump))];
-    assert!(found.iter().all(|bend| *bend < 0.03), "{found:?}");
+    let of = |transport| {
+        let bends = [
+            unsteadiness(transport, (0..5).map(sun)),
+            unsteadiness(transport, (0..5).map(camera)),
+            unsteadiness(transport, (0..5).map(lump)),
+        ];
+        bends.into_iter().fold(0.0, f64::max)
+    };
+    // A tenth of a degree and half a metre a picture: what is left is steps of the march that
+    // come and go. Measured over eight pictures: 0.010, and 0.028 and 0.090 of the others.
+    let (ours, kol, bouthors) = (of(Transport::Slab), of(Transport::SlabKol), of(Transport::SlabBouthors));
+    assert!(ours < 0.02 && ours < kol && ours < bouthors, "{ours} {kol} {bouthors}");
 }
 
 /// Multiply scattered green light of a flat cloud under a high sun, seen from above and from
