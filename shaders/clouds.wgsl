@@ -635,3 +635,12 @@ fn normals(v: Varyings) -> @location(0) vec4f {
     store_counts();
     return vec4f(s.normal, s.alpha);
 }
+
+// Work of the pixel, for heat maps: steps, density evaluations, reads of maps. Alpha is 0
+// so that the clouds before and behind each other add up.
+@fragment
+fn cost(v: Varyings) -> @location(0) vec4f {
+    _ = shade(v);
+    store_counts();
+    return vec4f(f32(counts[STEPS]), f32(counts[DENSITY]), f32(counts[MAP_READS]), 0.0);
+}

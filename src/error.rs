@@ -57,5 +57,18 @@ pub enum Error {
     },
 }
 
+#[cfg(any(feature = "cli", feature = "editor"))]
+impl Error {
+    /// A complaint about a scene that says which file it is about.
+    pub(crate) fn in_file(self, file: &std::path::Path) -> Self {
+        match self {
+            Self::Scene { path, problem } => {
+                Self::Scene { path: format!("{}: {path}", file.display()), problem }
+            }
+            other => other,
+        }
+    }
+}
+
 /// The result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;

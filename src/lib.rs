@@ -3,7 +3,7 @@
 //! An artist describes a [`scene::Scene`]: ellipsoids, droplets, sun, sky, camera, as a
 //! JSON file or in code. [`render::Frame`] is one moment of it as the GPU takes it, and
 //! [`render::Renderer`] draws frames into the caller's texture, respecting the caller's
-//! depth. [`export`] writes PNG and EXR.
+//! depth. [`export`] writes PNG and EXR. [`editor`] is the window in which scenes are made.
 //!
 //! ```no_run
 //! use nephos::{gpu::Gpu, render::{Frame, Renderer, Target}, scene::Preset};
@@ -43,6 +43,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "editor")]
+pub mod editor;
 mod error;
 #[cfg(feature = "export")]
 pub mod export;

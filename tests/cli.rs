@@ -47,6 +47,21 @@ fn render_small(folder: &tempfile::TempDir, picture: &str, words: &str) -> (Stri
     (picture, report)
 }
 
+#[cfg(all(feature = "editor", target_os = "linux"))]
+#[test]
+fn without_a_desktop_the_editor_says_so_and_alone_there_is_help() {
+    let output = |words: &[&str]| {
+        let mut command = Command::cargo_bin("nephos").unwrap();
+        command.args(words).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, text) = output(&["edit"]);
+    assert!(code == Some(1) && text.contains("there is no desktop"), "{text}");
+    let (code, text) = output(&[]);
+    assert!(code == Some(2) && text.contains("Usage: nephos") && text.contains("render"), "{text}");
+}
+
 #[test]
 fn new_writes_the_preset_of_its_seed() {
     let folder = tempfile::tempdir().unwrap();

@@ -358,6 +358,24 @@ fn ranges_in_the_descriptions_are_those_of_the_schema() {
     assert!(checked > 15, "{checked}");
 }
 
+#[test]
+fn what_is_not_hidden_or_locked_says_nothing_of_it() {
+    let mut scene = Preset::Kol.scene(1);
+    assert!(!scene.to_json().contains("hidden") && !scene.to_json().contains("locked"));
+    scene.clouds[0].hidden = true;
+    scene.clouds[0].ellipsoids[1].locked = true;
+    assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
+}
+
+#[test]
+fn numbers_with_a_unit_say_it_in_the_schema() {
+    let schema = schema();
+    let unit = |kind: &str, field: &str| schema["$defs"][kind]["properties"][field]["unit"].clone();
+    assert_eq!(unit("Edge", "boundary"), "metres");
+    assert_eq!(unit("Droplets", "effective_radius_um"), "micrometres");
+    assert_eq!(unit("Edge", "wispiness"), Value::Null);
+}
+
 // --- Properties ----------------------------------------------------------------------
 
 fn vector(low: f64, high: f64) -> impl Strategy<Value = DVec3> {
@@ -372,9 +390,11 @@ prop_compose! {
         angle in -7.0..7.0f64,
         density in 0.0..100.0f64,
         name in proptest::option::of(".*"),
+        hidden: bool,
+        locked: bool,
     ) -> Ellipsoid {
         let orientation = DQuat::from_axis_angle(axis.normalize_or(DVec3::Y), angle);
-        Ellipsoid { name, orientation, density, ..Ellipsoid::new(center, radii) }
+        Ellipsoid { name, orientation, density, hidden, locked, ..Ellipsoid::new(center, radii) }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The command line: one file a subcommand.
 
+#[cfg(feature = "editor")]
+mod edit;
 mod info;
 mod new;
 mod render;
@@ -9,18 +11,20 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
 
 /// Clouds from ellipsoids, fractal noise and Mie scattering.
 #[derive(Debug, Parser)]
-#[command(name = "nephos", version, arg_required_else_help = true)]
+#[command(name = "nephos", version)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[cfg(feature = "editor")]
+    Edit(edit::Edit),
     Render(render::Render),
     New(new::New),
     Info(info::Info),
@@ -28,11 +32,26 @@ enum Command {
     Tables(tables::Tables),
 }
 
+/// What was asked for. Nothing at all is the editor on a desktop, and help elsewhere.
+fn command() -> Command {
+    #[cfg(feature = "editor")]
+    if std::env::args_os().len() == 1 && crate::editor::has_desktop() {
+        return Command::Edit(edit::Edit::default());
+    }
+    let mut line = Cli::command().arg_required_else_help(true);
+    let asked = Cli::from_arg_matches(&line.get_matches_mut()).unwrap_or_else(|error| error.exit());
+    let nothing =
+        || line.error(ErrorKind::MissingSubcommand, "say what to do: `nephos help` lists it").exit();
+    asked.command.unwrap_or_else(nothing)
+}
+
 /// Runs the program: 0 where all went well, 1 where it did not, 2 for words that it does
 /// not know.
 pub fn main() -> ExitCode {
     terminal::log();
-    let result = match Cli::parse().command {
+    let result = match command() {
+        #[cfg(feature = "editor")]
+        Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

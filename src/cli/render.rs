@@ -124,7 +124,7 @@ impl Render {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        let scene = Scene::load(&self.scene).map_err(|error| in_file(error, &self.scene))?;
+        let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         let n = self.rays_across();
         let frame = Frame::new(&scene, [n * self.width, n * self.height])?;
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
@@ -172,15 +172,9 @@ impl Render {
         scene: &Scene,
         progress: &mut dyn FnMut(f64),
     ) -> Result<()> {
-        let size = [self.width, self.height];
-        let linear = self.beauty(gpu, renderer, frame, progress)?.upload(gpu);
-        let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
-        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), scene.exposure);
-        gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu::read_texture(gpu, &finished, 0)?;
-        export::write_png(&self.output, size, &bytes, self.transparent)
+        let linear = self.beauty(gpu, renderer, frame, progress)?;
+        let bytes = linear.finished(gpu, renderer, scene.exposure)?;
+        export::write_png(&self.output, [self.width, self.height], &bytes, self.transparent)
     }
 
     fn exr(
@@ -304,16 +298,6 @@ impl Report {
             }
         }
         text
-    }
-}
-
-/// A complaint about a scene says which file it is about.
-fn in_file(error: Error, file: &Path) -> Error {
-    match error {
-        Error::Scene { path, problem } => {
-            Error::Scene { path: format!("{}: {path}", file.display()), problem }
-        }
-        other => other,
     }
 }
 

@@ -5,6 +5,7 @@ use half::f16;
 use crate::{
     Result,
     gpu::{self, Gpu},
+    render::Renderer,
 };
 
 /// Linear RGBA, rows from the top.
@@ -52,6 +53,21 @@ impl Picture {
             let through = 1.0 - pixel[3];
             pixel.iter_mut().zip(behind).for_each(|(pixel, behind)| *pixel += through * behind);
         }
+    }
+
+    /// The picture as screens show it: exposed by `stops`, tone-mapped, RGBA of 8 bits in sRGB.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn finished(&self, gpu: &Gpu, renderer: &mut Renderer, stops: f64) -> Result<Vec<u8>> {
+        let size = [self.width as u32, self.height as u32];
+        let linear = self.upload(gpu);
+        let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
+        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), stops);
+        gpu.queue.submit([encoder.finish()]);
+        gpu::read_texture(gpu, &finished, 0)
     }
 
     /// An `Rgba16Float` texture with these pixels, to be composed.

@@ -32,7 +32,8 @@ impl From<wgpu::AdapterInfo> for AdapterSummary {
     }
 }
 
-/// An open device with its queue, and what the driver complained of.
+/// An open device with its queue, and what the driver complained of. Clones are the same device.
+#[derive(Debug, Clone)]
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
@@ -62,21 +63,13 @@ impl Gpu {
         let adapter = choose(all(&instance()).await, name)?;
         let info = adapter.get_info();
         tracing::info!(adapter = info.name, backend = ?info.backend, "opening adapter");
-        let (device, queue) = adapter
-            .request_device(&wgpu::DeviceDescriptor {
-                label: Some("nephos"),
-                required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-                required_limits: wgpu::Limits::default(),
-                ..Default::default()
-            })
-            .await
-            .map_err(|error| {
-                Error::Adapter(format!(
-                    "the adapter `{}` would not open: {error}. `nephos info` lists the others; \
+        let (device, queue) = adapter.request_device(&wanted(&adapter)).await.map_err(|error| {
+            Error::Adapter(format!(
+                "the adapter `{}` would not open: {error}. `nephos info` lists the others; \
                      choose one with --adapter NAME.",
-                    info.name
-                ))
-            })?;
+                info.name
+            ))
+        })?;
         Ok(Self::watch(device, queue, info.into()))
     }
 
@@ -125,6 +118,16 @@ impl Gpu {
     }
 }
 
+/// The device that this crate asks of an adapter.
+pub(crate) fn wanted(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    wgpu::DeviceDescriptor {
+        label: Some("nephos"),
+        required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+        required_limits: wgpu::Limits::default(),
+        ..Default::default()
+    }
+}
+
 fn instance() -> wgpu::Instance {
     wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
 }
@@ -144,7 +147,8 @@ fn rank(info: &wgpu::AdapterInfo) -> u8 {
     }
 }
 
-fn choose(mut adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adapter> {
+/// The best of `adapters`, or the best whose name contains `name`.
+pub(crate) fn choose(mut adapters: Vec<wgpu::Adapter>, name: Option<&str>) -> Result<wgpu::Adapter> {
     adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
     let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
     if names.is_empty() {

@@ -7,6 +7,8 @@ mod texture;
 mod timing;
 
 pub use device::{AdapterSummary, Gpu, adapters};
+#[cfg(feature = "editor")]
+pub(crate) use device::{choose, wanted};
 pub use readback::{read_buffer, read_texture};
 #[cfg(test)]
 pub(crate) use shader::entry_point;

@@ -37,8 +37,8 @@ const BUDGET: u32 = 1024;
 const RESOLUTION: u32 = 48;
 
 /// A path traced picture under way: ask for more samples as often as you like.
-pub struct PathTracer<'a> {
-    gpu: &'a Gpu,
+pub struct PathTracer {
+    gpu: Gpu,
     program: ComputeProgram,
     group: wgpu::BindGroup,
     uniform: SceneUniform,
@@ -59,12 +59,12 @@ pub struct Estimate {
     pub samples: u32,
 }
 
-impl<'a> PathTracer<'a> {
+impl PathTracer {
     /// Prepares `frame`. The same `seed` gives the same picture.
     ///
     /// # Errors
     /// Where a cloud's droplets have no phase function.
-    pub fn new(gpu: &'a Gpu, frame: &Frame, seed: u32) -> Result<Self> {
+    pub fn new(gpu: &Gpu, frame: &Frame, seed: u32) -> Result<Self> {
         let world = World::new(frame)?;
         let grid = Grid::new(&world.ellipsoids, RESOLUTION);
         let uniform = SceneUniform {
@@ -113,6 +113,7 @@ impl<'a> PathTracer<'a> {
             Some(wgpu::BindingResource::TextureView(sky.sky_view())),
         ]);
         let group = program.bind(device, &resources);
+        let gpu = gpu.clone();
         Ok(Self { gpu, program, group, uniform, uniform_buffer, sums, unfinished, size: frame.size() })
     }
 
@@ -122,19 +123,29 @@ impl<'a> PathTracer<'a> {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn trace(&mut self, samples: u32, progress: &mut dyn FnMut(f64) -> bool) -> Result<()> {
-        self.uniform.samples = samples;
-        self.gpu.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&self.uniform));
-        let pixels = self.size[0] * self.size[1];
         loop {
-            let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
-            encoder.clear_buffer(&self.unfinished, 0, None);
-            self.program.dispatch(&mut encoder, &self.group, [pixels.div_ceil(64), 1, 1], None);
-            self.gpu.queue.submit([encoder.finish()]);
-            let left: Vec<u32> = gpu::read_buffer(self.gpu, &self.unfinished)?;
-            if !progress(1.0 - f64::from(left[0]) / f64::from(pixels)) || left[0] == 0 {
+            let share = self.advance(samples)?;
+            if !progress(share) || share >= 1.0 {
                 return Ok(());
             }
         }
+    }
+
+    /// Does one bounded piece of the work until each pixel has `samples`; tells the share of
+    /// pixels that are done. Estimates count samples right where it is 1.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn advance(&mut self, samples: u32) -> Result<f64> {
+        self.uniform.samples = samples;
+        self.gpu.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&self.uniform));
+        let pixels = self.size[0] * self.size[1];
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        encoder.clear_buffer(&self.unfinished, 0, None);
+        self.program.dispatch(&mut encoder, &self.group, [pixels.div_ceil(64), 1, 1], None);
+        self.gpu.queue.submit([encoder.finish()]);
+        let left: Vec<u32> = gpu::read_buffer(&self.gpu, &self.unfinished)?;
+        Ok(1.0 - f64::from(left[0]) / f64::from(pixels))
     }
 
     /// What has been found so far.
@@ -142,7 +153,7 @@ impl<'a> PathTracer<'a> {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn estimate(&self) -> Result<Estimate> {
-        let sums: Vec<[f32; SUM_FLOATS]> = gpu::read_buffer(self.gpu, &self.sums)?;
+        let sums: Vec<[f32; SUM_FLOATS]> = gpu::read_buffer(&self.gpu, &self.sums)?;
         let samples = self.uniform.samples;
         let each = |channel: u32| ((samples + 2 - channel) / 3).max(1) as f32;
         let error = |sum: &[f32; SUM_FLOATS], c: u32| {

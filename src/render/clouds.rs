@@ -186,7 +186,7 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
     let lit = entry != "normals";
     Variant {
         entry,
-        counting: shared.counting,
+        counting: shared.counting || entry == "cost",
         atmosphere: shared.atmosphere,
         sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),

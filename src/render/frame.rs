@@ -49,6 +49,9 @@ impl Frame {
         }
         let camera = scene.camera();
         let mut moved = scene.clone();
+        for cloud in &mut moved.clouds {
+            cloud.ellipsoids = cloud.visible().cloned().collect();
+        }
         let blown = scene.wind.velocity * scene.time;
         for ellipsoid in moved.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.center += blown;
@@ -85,4 +88,28 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
         });
     }
     Ok(frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Preset;
+
+    #[test]
+    fn hidden_ellipsoids_and_clouds_are_left_out_but_the_camera_stays() {
+        let mut scene = Preset::Kol.scene(1);
+        scene.camera = None;
+        scene.clouds.push(scene.clouds[0].clone());
+        let all = Frame::new(&scene, [16, 9]).unwrap();
+        scene.clouds[0].hidden = true;
+        scene.clouds[1].ellipsoids[2].hidden = true;
+        let some = Frame::new(&scene, [16, 9]).unwrap();
+        let counts =
+            |frame: &Frame| frame.clouds.iter().map(|c| (c.ellipsoids.len(), c.others.len())).collect();
+        let (before, after): (Vec<_>, Vec<_>) = (counts(&all), counts(&some));
+        assert_eq!((before, after), (vec![(8, 8), (8, 8)], vec![(7, 0)]));
+        // What the path tracer takes.
+        assert_eq!(some.scene.clouds.iter().map(|c| c.ellipsoids.len()).sum::<usize>(), 7);
+        assert_eq!(some.camera_position, all.camera_position);
+    }
 }

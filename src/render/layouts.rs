@@ -6,7 +6,7 @@ use wgpu::naga::{TypeInner, proc::Layouter};
 
 use super::{
     camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
-    light::LightBox, noise::NoiseFrame, tiles::Tile,
+    light::LightBox, noise::NoiseFrame, resolve::ResolveUniform, tiles::Tile,
 };
 use crate::{
     gpu,
@@ -44,7 +44,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 8] = [
+    let cases: [(&str, &str, Layout); 9] = [
         (
             "path",
             "Scene",
@@ -80,6 +80,7 @@ fn structs_of_rust_and_shaders_agree() {
         ),
         ("clouds", "Tile", layout!(Tile: area, first, count)),
         ("compose", "Compose", layout!(ComposeUniform: exposure)),
+        ("resolve", "Resolve", layout!(ResolveUniform: rays, shown, range, stops)),
     ];
     for (shader, name, rust) in cases {
         assert_eq!(in_shader(shader, name), rust, "{name}");

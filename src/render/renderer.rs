@@ -1,5 +1,7 @@
 //! The renderer: keeps what outlives a frame, and records a frame's passes.
 
+mod pieces;
+
 use super::{
     Counts, Quality,
     clouds::{CloudsPass, Draw, Shared},
@@ -17,6 +19,8 @@ use crate::{
     Result,
     gpu::{self, Gpu, TextureDesc, Timing},
 };
+
+pub use pieces::Pieces;
 
 /// How light inside a cloud is found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]

@@ -32,15 +32,15 @@ const FRAME_FILL: f64 = 0.8;
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// Where the camera is [x, y, z], metres: x east, y up, z south.
-    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub position: DVec3,
     /// The point in the middle of the picture [x, y, z], metres.
-    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub target: DVec3,
     /// Turns the camera clockwise about its line of sight, as seen from behind it,
     /// degrees, -360 to 360. 0 keeps the horizon level.
     #[serde(default)]
-    #[schemars(range(min = ROLL.min, max = ROLL.max))]
+    #[schemars(range(min = ROLL.min, max = ROLL.max), extend("unit" = ROLL.unit))]
     pub roll_deg: f64,
     /// How directions become places in the picture.
     #[serde(default)]
@@ -54,24 +54,24 @@ pub enum Projection {
     /// A pinhole, said by its field of view.
     Perspective {
         /// Angle from the lower to the upper edge of the picture, degrees, 0.1 to 170.
-        #[schemars(range(min = FIELD_OF_VIEW.min, max = FIELD_OF_VIEW.max))]
+        #[schemars(range(min = FIELD_OF_VIEW.min, max = FIELD_OF_VIEW.max), extend("unit" = FIELD_OF_VIEW.unit))]
         vertical_fov_deg: f64,
     },
     /// A pinhole, said by its lens. The width of the sensor fills the width of the
     /// picture; the height follows from the picture's aspect.
     Lens {
         /// Focal length, millimetres, 0.1 to 100000.
-        #[schemars(range(min = FOCAL_LENGTH.min, max = FOCAL_LENGTH.max))]
+        #[schemars(range(min = FOCAL_LENGTH.min, max = FOCAL_LENGTH.max), extend("unit" = FOCAL_LENGTH.unit))]
         focal_length_mm: f64,
         /// Width of the sensor or film, millimetres, 0.1 to 1000; 36 where left out.
         #[serde(default = "full_frame_width")]
-        #[schemars(range(min = SENSOR.min, max = SENSOR.max))]
+        #[schemars(range(min = SENSOR.min, max = SENSOR.max), extend("unit" = SENSOR.unit))]
         sensor_width_mm: f64,
     },
     /// Parallel lines of sight, without perspective.
     Orthographic {
         /// What the height of the picture spans, metres, 0.01 to 10000000.
-        #[schemars(range(min = HEIGHT.min, max = HEIGHT.max))]
+        #[schemars(range(min = HEIGHT.min, max = HEIGHT.max), extend("unit" = HEIGHT.unit))]
         height: f64,
     },
     /// The whole sphere around the camera: longitude across, latitude upwards, the

@@ -19,12 +19,23 @@ pub struct Cloud {
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
     pub edge: Edge,
+    /// Whether it is left out of pictures, the path traced ones too.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub hidden: bool,
+    /// Whether editors leave it alone until it is unlocked; it changes nothing in the picture.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub locked: bool,
 }
 
 impl Cloud {
     /// Exact axis-aligned bounds of all ellipsoids, metres; `None` without ellipsoids.
     pub fn bounds(&self) -> Option<Bounds> {
         self.ellipsoids.iter().map(Ellipsoid::bounds).reduce(union)
+    }
+
+    /// The ellipsoids that pictures show.
+    pub fn visible(&self) -> impl Iterator<Item = &Ellipsoid> {
+        self.ellipsoids.iter().filter(|ellipsoid| !self.hidden && !ellipsoid.hidden)
     }
 
     /// The edge of `ellipsoid`: its own, or else the cloud's.

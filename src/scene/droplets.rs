@@ -19,11 +19,11 @@ const ASYMMETRY: Limits = Limits::new(-0.99, 0.99, "");
 pub struct Droplets {
     /// Droplets per cubic centimetre in the core, 0 to 100000. More make a denser
     /// cloud. It is Kol's rho0, a measure of extinction rather than a count.
-    #[schemars(range(min = CONCENTRATION.min, max = CONCENTRATION.max))]
+    #[schemars(range(min = CONCENTRATION.min, max = CONCENTRATION.max), extend("unit" = CONCENTRATION.unit))]
     pub concentration_per_cm3: f64,
     /// Effective radius of the droplets, micrometres, 4 to 20. Sets the density
     /// together with the concentration, and the size of glory and fogbow.
-    #[schemars(range(min = EFFECTIVE_RADIUS.min, max = EFFECTIVE_RADIUS.max))]
+    #[schemars(range(min = EFFECTIVE_RADIUS.min, max = EFFECTIVE_RADIUS.max), extend("unit" = EFFECTIVE_RADIUS.unit))]
     pub effective_radius_um: f64,
     /// Where the scattered light goes.
     pub phase: Phase,

@@ -15,7 +15,7 @@ const WISPINESS: Limits = Limits::new(0.0, 1.0, "");
 pub struct Edge {
     /// Thickness of the boundary that noise shapes, metres, 0 to 10000. Inside it
     /// the cloud is uneven, behind it the density is full. 0 makes a smooth ellipsoid.
-    #[schemars(range(min = BOUNDARY.min, max = BOUNDARY.max))]
+    #[schemars(range(min = BOUNDARY.min, max = BOUNDARY.max), extend("unit" = BOUNDARY.unit))]
     pub boundary: f64,
     /// 0 is a sharp cauliflower edge, 1 is a soft and wispy one. 0 to 1, no unit.
     #[schemars(range(min = WISPINESS.min, max = WISPINESS.max))]

@@ -20,10 +20,10 @@ pub struct Ellipsoid {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Centre [x, y, z], metres: x east, y up, z south.
-    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub center: DVec3,
     /// Half the length of each axis [x, y, z] before the rotation, metres, 0.01 to 100000.
-    #[schemars(with = "[f64; 3]", inner(range(min = RADIUS.min, max = RADIUS.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = RADIUS.min, max = RADIUS.max)), extend("unit" = RADIUS.unit))]
     pub radii: DVec3,
     /// Rotation about the centre, a quaternion [x, y, z, w] as in glTF; made unit
     /// length on loading. [0, 0, 0, 1], no rotation, where left out.
@@ -37,6 +37,12 @@ pub struct Ellipsoid {
     /// The edge of this ellipsoid; the cloud's edge where left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edge: Option<Edge>,
+    /// Whether it is left out of pictures, the path traced ones too.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub hidden: bool,
+    /// Whether editors leave it alone until it is unlocked; it changes nothing in the picture.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub locked: bool,
 }
 
 fn full_density() -> f64 {
@@ -54,7 +60,16 @@ impl Ellipsoid {
     /// An unrotated ellipsoid of full density around `center` with half axes
     /// `radii`, both in metres, and the edge of its cloud.
     pub fn new(center: DVec3, radii: DVec3) -> Self {
-        Self { name: None, center, radii, orientation: DQuat::IDENTITY, density: full_density(), edge: None }
+        Self {
+            name: None,
+            center,
+            radii,
+            orientation: DQuat::IDENTITY,
+            density: full_density(),
+            edge: None,
+            hidden: false,
+            locked: false,
+        }
     }
 
     /// Exact axis-aligned bounds, metres.

@@ -27,7 +27,7 @@ pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use file::schema;
 pub use noise::Noise;
-pub use presets::Preset;
+pub use presets::{Heaps, Preset};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use wind::Wind;
@@ -73,14 +73,14 @@ pub struct Scene {
     /// The wind that carries the clouds.
     pub wind: Wind,
     /// Seconds since the scene's start, -10000000 to 10000000; the wind has blown that long.
-    #[schemars(range(min = TIME.min, max = TIME.max))]
+    #[schemars(range(min = TIME.min, max = TIME.max), extend("unit" = TIME.unit))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
     /// south, filled with all clouds as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
-    #[schemars(range(min = EXPOSURE.min, max = EXPOSURE.max))]
+    #[schemars(range(min = EXPOSURE.min, max = EXPOSURE.max), extend("unit" = EXPOSURE.unit))]
     pub exposure: f64,
 }
 

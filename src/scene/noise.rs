@@ -19,13 +19,13 @@ pub struct Noise {
     pub seed: u32,
     /// Size of the largest billows, metres, 0.1 to 100000. About twice the thickness
     /// of the boundary looks natural.
-    #[schemars(range(min = SCALE.min, max = SCALE.max))]
+    #[schemars(range(min = SCALE.min, max = SCALE.max), extend("unit" = SCALE.unit))]
     pub scale: f64,
     /// Strength of the fine billows against the large ones, 0 (none) to 1, no unit.
     #[schemars(range(min = DETAIL.min, max = DETAIL.max))]
     pub detail: f64,
     /// Shift of the noise [x, y, z], metres. Animate it to let the billows wander.
-    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub offset: DVec3,
     /// Rotation of the noise about the origin, a quaternion [x, y, z, w]; made unit
     /// length on loading.
@@ -33,7 +33,7 @@ pub struct Noise {
     pub rotation: DQuat,
     /// Distance by which the fine billows slid against the coarse ones, metres.
     /// Animate it to let the edges boil.
-    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max))]
+    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max), extend("unit" = COORDINATE.unit))]
     pub evolution: f64,
 }
 

@@ -49,7 +49,7 @@ pub struct Ground {
     #[schemars(inner(range(min = ALBEDO.min, max = ALBEDO.max)))]
     pub albedo: [f64; 3],
     /// Height of the ground, the y of its plane, metres.
-    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max))]
+    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max), extend("unit" = COORDINATE.unit))]
     pub altitude: f64,
 }
 

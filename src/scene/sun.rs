@@ -28,7 +28,7 @@ pub struct Sun {
     #[schemars(inner(range(min = IRRADIANCE.min, max = IRRADIANCE.max)))]
     pub irradiance: [f64; 3],
     /// Apparent diameter of the disc, degrees, 0 (a point) to 10. The real sun has 0.53.
-    #[schemars(range(min = DIAMETER.min, max = DIAMETER.max))]
+    #[schemars(range(min = DIAMETER.min, max = DIAMETER.max), extend("unit" = DIAMETER.unit))]
     pub angular_diameter_deg: f64,
 }
 
@@ -39,21 +39,24 @@ pub enum SunPosition {
     /// By compass and height.
     Angles {
         /// Degrees clockwise from north, -360 to 360: 90 is east (+x), 180 south (+z).
-        #[schemars(range(min = AZIMUTH.min, max = AZIMUTH.max))]
+        #[schemars(range(min = AZIMUTH.min, max = AZIMUTH.max), extend("unit" = AZIMUTH.unit))]
         azimuth_deg: f64,
         /// Degrees above the horizon, -90 to 90.
-        #[schemars(range(min = ELEVATION.min, max = ELEVATION.max))]
+        #[schemars(range(min = ELEVATION.min, max = ELEVATION.max), extend("unit" = ELEVATION.unit))]
         elevation_deg: f64,
     },
     /// A vector [x, y, z] towards the sun, of any length but zero: x east, y up, z south.
-    Direction(#[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)))] DVec3),
+    Direction(
+        #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
+         DVec3,
+    ),
     /// By place and time on Earth.
     Place {
         /// Degrees north of the equator, -90 to 90.
-        #[schemars(range(min = LATITUDE.min, max = LATITUDE.max))]
+        #[schemars(range(min = LATITUDE.min, max = LATITUDE.max), extend("unit" = LATITUDE.unit))]
         latitude_deg: f64,
         /// Degrees east of Greenwich, -180 to 180.
-        #[schemars(range(min = LONGITUDE.min, max = LONGITUDE.max))]
+        #[schemars(range(min = LONGITUDE.min, max = LONGITUDE.max), extend("unit" = LONGITUDE.unit))]
         longitude_deg: f64,
         /// Date and time with zone as in RFC 3339, such as `2026-06-21T18:30:00+02:00`.
         #[schemars(extend("format" = "date-time"))]

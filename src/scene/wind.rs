@@ -16,7 +16,7 @@ pub struct Wind {
     /// Where the air goes [x, y, z], metres per second, each -1000 to 1000: x to the
     /// east, y up, z to the south. After `time` seconds the clouds have drifted
     /// `time` times as far.
-    #[schemars(with = "[f64; 3]", inner(range(min = SPEED.min, max = SPEED.max)))]
+    #[schemars(with = "[f64; 3]", inner(range(min = SPEED.min, max = SPEED.max)), extend("unit" = SPEED.unit))]
     pub velocity: DVec3,
 }
 

@@ -2,8 +2,12 @@
 //! function of `shaders/lib` over many inputs.
 #![allow(dead_code, reason = "every test file uses its own part of it")]
 
+#[cfg(feature = "editor")]
+pub mod desk;
 #[cfg(feature = "export")]
 pub mod picture;
+#[cfg(feature = "editor")]
+pub mod window;
 
 use std::sync::OnceLock;
 

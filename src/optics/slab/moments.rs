@@ -101,7 +101,7 @@ pub fn remainder_moments(medium: &Medium, path: f64) -> Vec<f64> {
     medium.chi.iter().enumerate().map(term).collect()
 }
 
-/// Sum over l of terms[l] P_l(cosine).
+/// Sum over l of `terms[l] P_l(cosine)`.
 pub fn series(terms: &[f64], cosine: f64) -> f64 {
     let (mut before, mut value, mut sum) = (0.0, 1.0, 0.0);
     for (l, term) in terms.iter().enumerate() {

@@ -20,6 +20,9 @@ const TRIES: usize = 8;
 /// How deep a child sits in its parent: 1 is with its centre on the surface.
 const SEAT: RangeInclusive<f64> = 0.62..=0.85;
 
+/// Radius of the least lump, metres: below it there is nothing to round to.
+const LEAST_RADIUS: f64 = 0.1;
+
 /// A cloud that grows.
 pub(super) struct Heap {
     /// Altitude of the base, metres.
@@ -55,10 +58,21 @@ impl Heap {
         Self { base, lumps: Vec::new(), youngest: 0 }
     }
 
+    /// A heap of `lumps` that are there already, on a base that goes through the lowest point of them.
+    pub fn upon(lumps: &[Ellipsoid]) -> Self {
+        let base = lumps.iter().map(|lump| lump.bounds().0.y).fold(f64::INFINITY, f64::min);
+        Self { base, lumps: lumps.to_vec(), youngest: 0 }
+    }
+
+    /// All lumps, in the order of their growth.
+    pub fn into_lumps(self) -> Vec<Ellipsoid> {
+        self.lumps
+    }
+
     /// Puts a lump around `center` (metres), turned by chance and lifted where it
     /// would reach below the base.
     pub fn put(&mut self, dice: &mut Dice, center: DVec3, radii: DVec3) {
-        let radii = tenths(radii);
+        let radii = tenths(radii).max(DVec3::splat(LEAST_RADIUS));
         let mut center = tenths(center);
         center.y = center.y.max(tenth(self.base + radii.y));
         self.lumps.push(Ellipsoid { orientation: dice.yaw(), ..Ellipsoid::new(center, radii) });
@@ -95,6 +109,17 @@ impl Heap {
         let radius = mean * dice.between(*RATIO.start(), *RATIO.end());
         let shape = DVec3::new(dice.between(0.9, 1.15), dice.between(0.8, 0.95), dice.between(0.9, 1.1));
         self.put(dice, freest.1, radius * shape);
+        self.inherit(i);
+    }
+
+    /// Gives the last lump the density and the edge of lump `i`, thinner where it is too small.
+    fn inherit(&mut self, i: usize) {
+        let (density, mut edge) = (self.lumps[i].density, self.lumps[i].edge.clone());
+        let Some(child) = self.lumps.last_mut() else { return };
+        if let Some(edge) = &mut edge {
+            edge.boundary = edge.boundary.min(thickest(child, edge.wispiness)).round();
+        }
+        (child.density, child.edge) = (density, edge);
     }
 
     /// A place near the upper surface of lump `i`.
@@ -129,9 +154,8 @@ impl Heap {
         for lump in &mut self.lumps {
             let share = (lump.center.y - self.base) / top;
             let wispiness = hundredth(edges.base + (edges.top - edges.base) * share);
-            // Wispy lumps have no core at all.
-            let thickest = (0.75 + wispiness) * lump.radii.min_element();
-            lump.edge = Some(Edge { boundary: edges.boundary.min(thickest).round(), wispiness });
+            let boundary = edges.boundary.min(thickest(lump, wispiness)).round();
+            lump.edge = Some(Edge { boundary, wispiness });
         }
         Cloud {
             name: name.to_owned(),
@@ -140,6 +164,11 @@ impl Heap {
             ..Cloud::default()
         }
     }
+}
+
+/// The thickest boundary that suits a lump, metres: wispy ones have no core at all.
+fn thickest(lump: &Ellipsoid, wispiness: f64) -> f64 {
+    (0.75 + wispiness) * lump.radii.min_element()
 }
 
 /// Rounded to decimetres, so that files stay short.

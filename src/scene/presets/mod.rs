@@ -2,6 +2,7 @@
 
 mod cumulus;
 mod dice;
+mod grow;
 mod heap;
 mod layer;
 
@@ -14,6 +15,7 @@ use super::explain::nearest;
 use super::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition, Wind};
 use crate::{Error, Result};
 use dice::Dice;
+pub use grow::Heaps;
 use heap::tenths;
 
 /// Vertical field of view of the presets' cameras, degrees.

@@ -1,0 +1,288 @@
+//! New, open, save, and the questions before something is lost.
+
+use std::path::{Path, PathBuf};
+
+use eframe::egui::{Context, ViewportCommand};
+
+use super::{
+    Document,
+    app::{Dialog, Editor},
+    choosing::Purpose,
+    dialogs::{self, Beginning, Changed, Recover, Unsaved},
+    palette::Answer,
+    panels::PictureWish,
+    still::StillJob,
+    viewport::ViewCommand,
+};
+use crate::scene::{Preset, Scene};
+
+/// What is done once there is nothing to lose.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Then {
+    New,
+    NewFrom(Preset),
+    ChooseFile,
+    Open(PathBuf),
+    Close,
+}
+
+impl Editor {
+    /// What the editor begins with.
+    pub(super) fn begin(&mut self, scene: Option<PathBuf>) {
+        let nothing = scene.is_none();
+        if let Some(path) = scene {
+            self.open(&path);
+        }
+        let kept = self.session.left_behind();
+        if !kept.is_empty() {
+            self.dialog = Some(Dialog::Recover(kept));
+        } else if nothing {
+            self.dialog = Some(Dialog::Welcome);
+        }
+    }
+
+    /// Does `then`, after a question where something is not saved.
+    pub(super) fn ask(&mut self, ctx: &Context, then: Then) {
+        if self.document.is_dirty() {
+            self.dialog = Some(Dialog::Unsaved(then));
+        } else {
+            self.go_on(ctx, then);
+        }
+    }
+
+    fn go_on(&mut self, ctx: &Context, then: Then) {
+        match then {
+            Then::New => self.start(Scene::default()),
+            // A preset is a scene to be saved, not one that is.
+            Then::NewFrom(preset) => {
+                self.start(Scene::default());
+                let scene = preset.scene(self.next_seed());
+                self.replace(Document::unsaved(scene, Scene::default()));
+            }
+            Then::ChooseFile => self.choose(ctx, Purpose::Open, None),
+            Then::Open(path) => self.open(&path),
+            Then::Close => {
+                self.closing = true;
+                ctx.send_viewport_cmd(ViewportCommand::Close);
+            }
+        }
+    }
+
+    fn start(&mut self, scene: Scene) {
+        self.session.start_new();
+        self.replace(Document::new(scene));
+        self.picture.path.clear();
+    }
+
+    fn replace(&mut self, document: Document) {
+        self.document = document;
+        self.viewport.look_through(&self.document);
+        self.notices.clear();
+    }
+
+    /// Opens `path`; where that fails, everything stays as it was.
+    fn open(&mut self, path: &Path) {
+        match self.session.open(path) {
+            Ok(scene) => {
+                self.replace(Document::new(scene));
+                self.remember(path);
+                self.picture.path.clear();
+                if self.session.is_read_only() {
+                    let name = self.session.name();
+                    self.notices.problem(format!("{name} is read-only: save changes under another name."));
+                }
+            }
+            Err(error) => {
+                self.settings.recent.retain(|recent| recent != path || path.exists());
+                self.notices.problem(error);
+            }
+        }
+    }
+
+    /// Saves to the file, or to one that is asked for; then goes on with `then`.
+    pub(super) fn save(&mut self, ctx: &Context, then: Option<Then>) {
+        match self.session.path().map(Path::to_owned) {
+            None => self.choose(ctx, Purpose::Save, then),
+            Some(_) if self.session.changed_by_others() => self.dialog = Some(Dialog::Overwrite(then)),
+            Some(path) => self.save_to(ctx, &path, then),
+        }
+    }
+
+    fn save_to(&mut self, ctx: &Context, path: &Path, then: Option<Then>) {
+        match self.session.save(&mut self.document, path) {
+            Ok(()) => {
+                self.remember(path);
+                self.notices.clear();
+                self.notices.news(format!("Saved {}.", path.display()));
+                if let Some(then) = then {
+                    self.go_on(ctx, then);
+                }
+            }
+            Err(error) => self.notices.problem(error),
+        }
+    }
+
+    /// Lists `path` among the recent files, even if the editor ends in a crash.
+    fn remember(&mut self, path: &Path) {
+        self.settings.remember(path);
+        self.write_settings();
+    }
+
+    /// Where to begin to look for a file.
+    pub(super) fn near(&self, purpose: Purpose) -> PathBuf {
+        let near = self.session.path().or(self.settings.recent.first().map(PathBuf::as_path));
+        match (near, purpose) {
+            (Some(path), Purpose::Open) => path.parent().unwrap_or(path).to_owned(),
+            (Some(path), _) if self.session.path().is_some() => path.to_owned(),
+            (Some(path), _) => path.with_file_name("cloud.json"),
+            (None, Purpose::Open) => PathBuf::from("."),
+            (None, _) => PathBuf::from("cloud.json"),
+        }
+    }
+
+    /// Asks what to do where another program changed the file.
+    pub(super) fn notice_changes(&mut self) {
+        if self.dialog.is_none() && self.session.changed_by_others() {
+            self.dialog = Some(Dialog::Changed);
+        }
+    }
+
+    /// Reads the file again.
+    pub(super) fn revert(&mut self) {
+        if let Some(path) = self.session.path().map(Path::to_owned) {
+            self.open(&path);
+        }
+    }
+
+    /// Closes, or asks first where something is not saved.
+    pub(super) fn close_or_stay(&mut self, ctx: &Context) {
+        if !ctx.input(|input| input.viewport().close_requested()) {
+            return;
+        }
+        if self.document.is_dirty() && !self.closing {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.dialog = Some(Dialog::Unsaved(Then::Close));
+            return;
+        }
+        if let Some(job) = &self.job {
+            job.cancel();
+        }
+    }
+
+    /// Shows what is open over everything else.
+    pub(super) fn dialogs(&mut self, ctx: &Context) {
+        let Some(dialog) = self.dialog.take() else { return };
+        if let Some(dialog) = self.show_dialog(ctx, dialog) {
+            // What was opened meanwhile goes first.
+            self.dialog.get_or_insert(dialog);
+        }
+    }
+
+    /// Shows `dialog` and gives it back where it stays open.
+    fn show_dialog(&mut self, ctx: &Context, mut dialog: Dialog) -> Option<Dialog> {
+        let name = self.session.name();
+        let stays = match &mut dialog {
+            Dialog::Welcome => stay(dialogs::welcome(ctx), |beginning| match beginning {
+                Beginning::Empty => self.go_on(ctx, Then::New),
+                Beginning::Preset(preset) => self.go_on(ctx, Then::NewFrom(preset)),
+                Beginning::Open => self.go_on(ctx, Then::ChooseFile),
+            }),
+            Dialog::Recover(kept) => {
+                let mut left = kept.clone();
+                let stays = stay(dialogs::recover(ctx, kept), |what| self.recover(what, &mut left));
+                if !stays && !left.is_empty() && left.len() < kept.len() && !self.document.is_dirty() {
+                    self.dialog = Some(Dialog::Recover(left));
+                }
+                stays
+            }
+            Dialog::Unsaved(then) => stay(dialogs::unsaved(ctx, &name), |what| match what {
+                Unsaved::Save => self.save(ctx, Some(then.clone())),
+                Unsaved::Discard => self.go_on(ctx, then.clone()),
+            }),
+            Dialog::Changed => {
+                stay(dialogs::changed(ctx, &name, self.document.is_dirty()), |what| match what {
+                    Changed::Reload => self.revert(),
+                    Changed::Keep => {
+                        self.session.accept_change();
+                        self.document.mark_unsaved();
+                    }
+                })
+            }
+            Dialog::Overwrite(then) => stay(dialogs::overwrite(ctx, &name), |()| {
+                if let Some(path) = self.session.path().map(Path::to_owned) {
+                    self.save_to(ctx, &path, then.take());
+                }
+            }),
+            Dialog::Choosing(choosing, then) => {
+                let purpose = choosing.purpose;
+                stay(choosing.show(ctx), |path| match purpose {
+                    Purpose::Open => self.open(&path),
+                    Purpose::Save => self.save_to(ctx, &path, then.take()),
+                    Purpose::Picture => {
+                        self.picture.path = path.display().to_string();
+                        self.dialog = Some(Dialog::Picture);
+                    }
+                })
+            }
+            Dialog::Picture => stay(self.picture.show(ctx), |wish| match wish {
+                PictureWish::Choose => self.choose(ctx, Purpose::Picture, None),
+                PictureWish::Render => self.render(ctx),
+            }),
+            Dialog::Palette(palette) => {
+                stay(palette.show(ctx, |action| self.can(action)), |action| self.perform(ctx, action))
+            }
+            Dialog::Shortcuts(list) => !list.show(ctx),
+            Dialog::About => !self.about(ctx),
+        };
+        stays.then_some(dialog)
+    }
+
+    fn recover(&mut self, what: Recover, left: &mut Vec<super::Kept>) {
+        match what {
+            Recover::Restore(kept) => {
+                let saved = self.session.resume(&kept);
+                self.replace(Document::unsaved(kept.scene.clone(), saved));
+                // It is kept anew before the old copy goes.
+                match self.session.keep(&self.document, std::time::Duration::ZERO) {
+                    Ok(_) => kept.discard(),
+                    Err(error) => self.notices.problem(error),
+                }
+                left.retain(|other| *other != *kept);
+            }
+            Recover::Discard(kept) => {
+                kept.discard();
+                left.retain(|other| *other != *kept);
+            }
+        }
+    }
+
+    /// Begins to draw the picture that was asked for.
+    fn render(&mut self, ctx: &Context) {
+        if self.job.is_some() {
+            self.notices.problem("A picture is being drawn already: wait for it, or cancel it below.");
+            return;
+        }
+        let gpu = self.viewport.gpu().clone();
+        let scene = self.document.shared_scene();
+        self.job = Some(StillJob::begin(gpu, scene, self.picture.still(), ctx.clone()));
+    }
+
+    /// Looks at all clouds where the first one was just added.
+    pub(super) fn frame_first(&mut self, was_empty: bool) {
+        if was_empty {
+            self.viewport.run(ViewCommand::FrameAll, &mut self.document);
+        }
+    }
+}
+
+/// Whether a window stays open; does what was chosen in it.
+fn stay<T>(answer: Answer<T>, chosen: impl FnOnce(T)) -> bool {
+    match answer {
+        Answer::Open => true,
+        Answer::Closed => false,
+        Answer::Chosen(choice) => {
+            chosen(choice);
+            false
+        }
+    }
+}

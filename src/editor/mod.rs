@@ -1,0 +1,34 @@
+//! The editor: a window in which clouds are made of ellipsoids. Drives the public API only;
+//! one panel is one struct in one file.
+
+mod actions;
+mod app;
+mod choosing;
+mod dialogs;
+mod document;
+mod files;
+mod form;
+mod menu;
+mod notices;
+mod operations;
+mod palette;
+mod panels;
+mod perform;
+mod recovery;
+mod selection;
+mod session;
+mod settings;
+mod still;
+mod theme;
+pub mod viewport;
+mod window;
+mod words;
+
+pub use actions::{Action, Entry, entries};
+pub use app::{Editor, Options};
+pub use document::Document;
+pub use recovery::{Kept, Recovery};
+pub use selection::{EllipsoidId, Selection};
+pub use session::Session;
+pub use settings::{Look, Places, Settings, WindowPlace};
+pub use window::{has_desktop, run};

@@ -1,0 +1,48 @@
+//! The panels: one struct, one file each.
+
+mod object;
+mod outliner;
+mod outliner_row;
+mod picture;
+mod sun;
+mod sun_dial;
+mod view;
+mod world;
+
+use eframe::egui::{self, RichText, Ui};
+
+pub use object::ObjectPanel;
+pub use outliner::Outliner;
+pub use picture::{PicturePanel, PictureWish};
+pub use sun::SunPanel;
+pub use view::ViewPanel;
+pub use world::{Wish, WorldPanel};
+
+use super::{Document, form::Change};
+use crate::scene::Scene;
+
+/// A part of a panel that can be folded.
+fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
+    let color = ui.visuals().strong_text_color();
+    egui::CollapsingHeader::new(RichText::new(title).color(color).strong())
+        .id_salt(title)
+        .default_open(open)
+        .show_unindented(ui, |ui| {
+            ui.add_space(2.0);
+            add(ui);
+            ui.add_space(4.0);
+        });
+    ui.separator();
+}
+
+/// A sentence for who looks for something here.
+fn hint(ui: &mut Ui, text: &str) {
+    ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().weak_text_color())).wrap());
+}
+
+/// Puts a changed field into the document.
+fn apply(document: &mut Document, change: Option<Change>, set: impl FnOnce(&mut Scene)) {
+    if let Some(change) = change {
+        document.adjust(change.name, change.field, set);
+    }
+}

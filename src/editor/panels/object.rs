@@ -1,0 +1,190 @@
+//! The inspector of what is selected: ellipsoid, cloud, and heaps to grow.
+
+use eframe::egui::{DragValue, Ui};
+use egui_phosphor::regular as icon;
+
+use super::{apply, hint, section};
+use crate::{
+    editor::{
+        Document, EllipsoidId,
+        form::{Change, Form, name_widget},
+        words::choice,
+    },
+    scene::{Cloud, Droplets, Edge, Ellipsoid, Heaps, Phase},
+};
+
+/// Inspector of the active ellipsoid and its cloud.
+#[derive(Debug, Default)]
+pub struct ObjectPanel {
+    /// How heaps will grow.
+    pub heaps: Heaps,
+}
+
+impl ObjectPanel {
+    /// Shows what is selected.
+    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+        let Some((index, cloud)) = document.active_cloud() else {
+            hint(ui, "Nothing is selected. Click an ellipsoid in the view or in the outliner, or add one.");
+            return;
+        };
+        let cloud = cloud.clone();
+        if let Some(id) = document.selection().active {
+            section(ui, "Ellipsoid", true, |ui| ellipsoid(ui, document, id, &cloud));
+            section(ui, "Edge", true, |ui| own_edge(ui, document, id, &cloud));
+        }
+        if !document.selection().ellipsoids.is_empty() {
+            section(ui, "Grow heaps", false, |ui| self.grow(ui, document));
+        }
+        section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
+        section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
+    }
+
+    fn grow(&mut self, ui: &mut Ui, document: &mut Document) {
+        hint(ui, "Heaps smaller ellipsoids on the upper side of each selected one.");
+        let heaps = &mut self.heaps;
+        ui.horizontal(|ui| {
+            let number = |ui: &mut Ui, name: &str, add: DragValue<'_>| {
+                ui.label(name);
+                let response = ui.add(add.speed(0.05));
+                name_widget(ui, &response, name);
+            };
+            number(ui, "Children", DragValue::new(&mut heaps.children.0).range(0..=12));
+            number(ui, "to", DragValue::new(&mut heaps.children.1).range(0..=12));
+            number(ui, "Generations", DragValue::new(&mut heaps.generations).range(1..=4));
+        });
+        heaps.children.1 = heaps.children.1.max(heaps.children.0);
+        ui.horizontal(|ui| {
+            ui.label("Seed");
+            let response = ui.add(DragValue::new(&mut heaps.seed).speed(0.1));
+            name_widget(ui, &response, "Seed of the heaps");
+            let grow = ui.button(format!("{} Grow", icon::TREE));
+            name_widget(ui, &grow, "Grow");
+            if grow.clicked() {
+                document.grow(heaps);
+                heaps.seed = heaps.seed.wrapping_add(1);
+            }
+        });
+    }
+}
+
+fn ellipsoid(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud) {
+    let Some(mut ellipsoid) = document.ellipsoid(id).cloned() else { return };
+    let others = document.selection().ellipsoids.len() - 1;
+    if others > 0 {
+        let what = if others == 1 { "the other one, too" } else { "all of them" };
+        hint(ui, &format!("{} are selected: density and edge change {what}.", others + 1));
+    }
+    let mut name = ellipsoid.name.clone().unwrap_or_default();
+    let mut form = Form::new(ui);
+    let default = Ellipsoid::default();
+    form.text("Ellipsoid.name", "Name", &mut name, "ellipsoid");
+    form.vector("Ellipsoid.center", "Centre", &mut ellipsoid.center, default.center);
+    form.vector("Ellipsoid.radii", "Radii", &mut ellipsoid.radii, default.radii);
+    form.rotation("Ellipsoid.orientation", "Rotation", &mut ellipsoid.orientation);
+    form.slider("Ellipsoid.density", "Density", &mut ellipsoid.density, default.density, 0.0..=2.0);
+    form.check("Ellipsoid.hidden", "Hidden", &mut ellipsoid.hidden, false);
+    form.check("Ellipsoid.locked", "Locked", &mut ellipsoid.locked, false);
+    let change = form.changed();
+    ellipsoid.name = Some(name).filter(|name| !name.is_empty());
+    hint(ui, &thickness(cloud, &ellipsoid));
+    let all = change.is_some_and(|change| change.path == "Ellipsoid.density");
+    put(document, change, id, ellipsoid, |to, from| to.density = from.density, all);
+}
+
+/// What the numbers mean for light: the optical thickness of the middle.
+fn thickness(cloud: &Cloud, ellipsoid: &Ellipsoid) -> String {
+    let extinction = cloud.droplets.extinction() * ellipsoid.density;
+    let thickness = 2.0 * ellipsoid.radii.min_element() * extinction;
+    format!("Optical thickness across the middle: {thickness:.1}")
+}
+
+fn own_edge(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud) {
+    let Some(mut ellipsoid) = document.ellipsoid(id).cloned() else { return };
+    let mut form = Form::new(ui);
+    let mut own = ellipsoid.edge.is_some();
+    form.check("Ellipsoid.edge", "Its own edge", &mut own, false);
+    let mut edge = ellipsoid.edge.clone().unwrap_or_else(|| cloud.edge.clone());
+    if own {
+        edge_rows(&mut form, &mut edge, &cloud.edge, 2.0 * ellipsoid.radii.max_element());
+    }
+    let change = form.changed();
+    if !own {
+        hint(ui, "It has the edge of its cloud, below.");
+    }
+    ellipsoid.edge = own.then_some(edge);
+    put(document, change, id, ellipsoid, |to, from| to.edge.clone_from(&from.edge), true);
+}
+
+/// Boundary and wispiness; the slider of the boundary ends at `widest` metres.
+fn edge_rows(form: &mut Form<'_>, edge: &mut Edge, default: &Edge, widest: f64) {
+    let widest = 0.0..=widest.clamp(10.0, 1e4);
+    form.slider("Edge.boundary", "Boundary", &mut edge.boundary, default.boundary, widest);
+    form.number("Edge.wispiness", "Wispiness", &mut edge.wispiness, default.wispiness);
+}
+
+/// Puts `ellipsoid` into the document, and what `share` copies into the other selected ones.
+fn put(
+    document: &mut Document,
+    change: Option<Change>,
+    id: EllipsoidId,
+    ellipsoid: Ellipsoid,
+    share: fn(&mut Ellipsoid, &Ellipsoid),
+    all: bool,
+) {
+    let others = if all { document.free_selection() } else { Default::default() };
+    apply(document, change, |scene| {
+        for other in others {
+            share(&mut scene.clouds[other.cloud].ellipsoids[other.ellipsoid], &ellipsoid);
+        }
+        scene.clouds[id.cloud].ellipsoids[id.ellipsoid] = ellipsoid;
+    });
+}
+
+fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: Cloud) {
+    let widest = cloud.ellipsoids.iter().map(|e| 2.0 * e.radii.max_element()).fold(200.0, f64::max);
+    let mut form = Form::new(ui);
+    form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
+    edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
+    form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
+    form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
+    let change = form.changed();
+    let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
+    if own > 0 {
+        hint(ui, &format!("{own} of {} ellipsoids have edges of their own.", cloud.ellipsoids.len()));
+    }
+    apply(document, change, |scene| scene.clouds[index] = cloud);
+}
+
+fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Droplets) {
+    let default = Droplets::default();
+    let mut form = Form::new(ui);
+    form.slider(
+        "Droplets.concentration_per_cm3",
+        "Concentration",
+        &mut water.concentration_per_cm3,
+        default.concentration_per_cm3,
+        0.0..=1000.0,
+    );
+    form.number(
+        "Droplets.effective_radius_um",
+        "Effective radius",
+        &mut water.effective_radius_um,
+        default.effective_radius_um,
+    );
+    let phases = [
+        ("Mie", choice("Phase.mie"), Phase::Mie),
+        ("Henyey-Greenstein", choice("Phase.henyey_greenstein"), Phase::HenyeyGreenstein { g: 0.85 }),
+        ("Isotropic", choice("Phase.isotropic"), Phase::Isotropic),
+    ];
+    form.choice("Droplets.phase", "Phase function", &mut water.phase, &phases);
+    if let Phase::HenyeyGreenstein { g } = &mut water.phase {
+        form.number("Phase.henyey_greenstein.g", "Asymmetry", g, 0.85);
+    }
+    form.number("Droplets.albedo", "Albedo", &mut water.albedo, default.albedo);
+    let change = form.changed();
+    let path = 1.0 / water.extinction();
+    if path.is_finite() {
+        hint(ui, &format!("Mean free path of light: {path:.1} m"));
+    }
+    apply(document, change, |scene| scene.clouds[index].droplets = water);
+}

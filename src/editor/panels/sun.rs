@@ -1,0 +1,159 @@
+//! The sun: by dial, by vector, by place and time.
+
+use chrono::{DateTime, Datelike, FixedOffset, TimeDelta, Timelike};
+use eframe::egui::{DragValue, Slider, TextEdit, Ui};
+use glam::DVec3;
+
+use super::{hint, sun_dial::SunDial};
+use crate::{
+    editor::{
+        Document,
+        form::{Form, name_widget},
+        words::choice,
+    },
+    scene::{Sun, SunPosition},
+};
+
+/// Where a sun by place begins: a summer's evening in Utrecht.
+const PLACE: (f64, f64, &str) = (52.09, 5.12, "2026-06-21T18:30:00+02:00");
+
+/// Stands for the dial where fields are told apart.
+const DIAL: u64 = 1;
+
+/// Inspector of the sun.
+#[derive(Debug, Default)]
+pub struct SunPanel {
+    /// The time as it is being typed; not a time until it is whole.
+    typed: Option<String>,
+    complaint: Option<String>,
+}
+
+impl SunPanel {
+    /// Shows it.
+    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
+        let mut sun = document.scene().sun.clone();
+        let heading = heading_deg(document.scene().camera().forward());
+        let (azimuth, elevation) = angles_deg(sun.to_sun());
+        let kinds = [
+            ("Compass and height", choice("SunPosition.angles"), angles(azimuth, elevation)),
+            (
+                "Place and time",
+                choice("SunPosition.place"),
+                SunPosition::Place {
+                    latitude_deg: PLACE.0,
+                    longitude_deg: PLACE.1,
+                    time: PLACE.2.to_owned(),
+                },
+            ),
+            ("Direction", choice("SunPosition.direction"), SunPosition::Direction(sun.to_sun())),
+        ];
+        let mut form = Form::new(ui);
+        form.choice("Sun.position", "Position", &mut sun.position, &kinds);
+        let dial = SunDial { azimuth_deg: azimuth, elevation_deg: elevation, heading_deg: heading };
+        if let Some((azimuth, elevation)) = dial.ui(form.ui()) {
+            sun.position = angles(azimuth, elevation);
+        }
+        match &mut sun.position {
+            SunPosition::Angles { azimuth_deg, elevation_deg } => {
+                let path = "SunPosition.angles.azimuth_deg";
+                form.slider(path, "Azimuth", azimuth_deg, 225.0, 0.0..=360.0);
+                let path = "SunPosition.angles.elevation_deg";
+                form.slider(path, "Elevation", elevation_deg, 45.0, -10.0..=90.0);
+            }
+            SunPosition::Direction(v) => {
+                form.vector("SunPosition.direction", "Direction", v, DVec3::new(-0.5, 0.7, 0.5));
+            }
+            SunPosition::Place { latitude_deg, longitude_deg, time } => {
+                let path = "SunPosition.place.latitude_deg";
+                form.slider(path, "Latitude", latitude_deg, PLACE.0, -90.0..=90.0);
+                let path = "SunPosition.place.longitude_deg";
+                form.slider(path, "Longitude", longitude_deg, PLACE.1, -180.0..=180.0);
+                self.time(form.ui(), time);
+                hint(form.ui(), &format!("Azimuth {azimuth:.1}°, elevation {elevation:.1}°"));
+            }
+        }
+        light(&mut form, &mut sun);
+        // Dial and time are no rows of the form.
+        let change = form.changed().map_or(("Move the sun", DIAL), |change| (change.name, change.field));
+        if sun != document.scene().sun {
+            document.adjust(change.0, change.1, |scene| scene.sun = sun);
+        }
+    }
+
+    /// Date and time: as text, and by sliders over the day and the year.
+    fn time(&mut self, ui: &mut Ui, time: &mut String) {
+        let shown = self.typed.get_or_insert_with(|| time.clone());
+        ui.horizontal(|ui| {
+            let label = ui.label("Time");
+            let response = ui.add(TextEdit::singleline(shown).desired_width(ui.available_width()));
+            let response = response.labelled_by(label.id);
+            if response.lost_focus() {
+                match DateTime::parse_from_rfc3339(shown) {
+                    Ok(_) => (*time, self.complaint) = (shown.clone(), None),
+                    Err(reason) => {
+                        self.complaint = Some(format!(
+                            "`{shown}` is no time ({reason}): write date, time and zone, such as {}",
+                            PLACE.2
+                        ));
+                    }
+                }
+            } else if !response.has_focus() && self.complaint.is_none() {
+                shown.clone_from(time);
+            }
+        });
+        if let Some(complaint) = &self.complaint {
+            ui.colored_label(ui.visuals().error_fg_color, complaint);
+        }
+        if let Ok(when) = DateTime::parse_from_rfc3339(time)
+            && let Some(when) = by_sliders(ui, when)
+        {
+            (*time, self.complaint, self.typed) = (when.to_rfc3339(), None, None);
+        }
+    }
+}
+
+/// The brightness and the size of the disc.
+fn light(form: &mut Form<'_>, sun: &mut Sun) {
+    let default = Sun::default();
+    form.color("Sun.irradiance", "Irradiance", &mut sun.irradiance, default.irradiance);
+    let diameter = &mut sun.angular_diameter_deg;
+    form.slider("Sun.angular_diameter_deg", "Diameter", diameter, default.angular_diameter_deg, 0.0..=5.0);
+}
+
+/// Hour of the day and day of the year; the new time where one was moved.
+fn by_sliders(ui: &mut Ui, when: DateTime<FixedOffset>) -> Option<DateTime<FixedOffset>> {
+    let midnight = when - TimeDelta::seconds(i64::from(when.num_seconds_from_midnight()));
+    let mut hours = f64::from(when.num_seconds_from_midnight()) / 3600.0;
+    let mut day = when.ordinal();
+    ui.horizontal(|ui| {
+        ui.label("Hour");
+        ui.spacing_mut().slider_width = 110.0;
+        let slider = Slider::new(&mut hours, 0.0..=23.99).show_value(false);
+        let moved = ui.add(slider);
+        name_widget(ui, &moved, "Hour of the day");
+        ui.label("Day");
+        let dragged = ui.add(DragValue::new(&mut day).range(1..=365));
+        name_widget(ui, &dragged, "Day of the year");
+        if moved.changed() {
+            // To the minute: nobody means the seconds of a slider.
+            return Some(midnight + TimeDelta::minutes((hours * 60.0).round() as i64));
+        }
+        dragged.changed().then(|| when.with_ordinal(day)).flatten()
+    })
+    .inner
+}
+
+fn angles(azimuth_deg: f64, elevation_deg: f64) -> SunPosition {
+    SunPosition::Angles { azimuth_deg, elevation_deg }
+}
+
+/// Compass direction, degrees clockwise from north in 0 to 360.
+fn heading_deg(v: DVec3) -> f64 {
+    // Adding zero makes -0 a 0.
+    v.x.atan2(-v.z).to_degrees().rem_euclid(360.0) + 0.0
+}
+
+/// Azimuth and elevation of a unit vector, degrees.
+fn angles_deg(v: DVec3) -> (f64, f64) {
+    (heading_deg(v), v.y.clamp(-1.0, 1.0).asin().to_degrees())
+}

@@ -1,0 +1,170 @@
+//! Everything that is not a cloud: sun, sky, ground, noise, wind and time, camera, picture.
+
+use eframe::egui::Ui;
+use egui_phosphor::regular as icon;
+use glam::DVec3;
+
+use super::{SunPanel, apply, hint, section};
+use crate::{
+    editor::{Document, form::Form, words::choice},
+    scene::{Atmosphere, Camera, Ground, Noise, Projection, Sky},
+};
+
+/// What this panel asks of others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wish {
+    /// The scene's camera shall stand where the view is seen from.
+    CameraFromView,
+    /// The view shall be seen from the scene's camera.
+    ViewFromCamera,
+}
+
+/// Inspector of the world.
+#[derive(Debug, Default)]
+pub struct WorldPanel {
+    sun: SunPanel,
+}
+
+impl WorldPanel {
+    /// Shows all of it.
+    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Wish> {
+        let mut wish = None;
+        section(ui, "Sun", true, |ui| self.sun.ui(ui, document));
+        section(ui, "Sky", true, |ui| sky(ui, document));
+        section(ui, "Picture", true, |ui| picture(ui, document));
+        section(ui, "Camera", false, |ui| wish = camera(ui, document));
+        section(ui, "Noise", true, |ui| noise(ui, document));
+        section(ui, "Ground", false, |ui| ground(ui, document));
+        section(ui, "Wind and time", false, |ui| wind(ui, document));
+        wish
+    }
+}
+
+fn sky(ui: &mut Ui, document: &mut Document) {
+    let mut sky = document.scene().sky.clone();
+    let mut form = Form::new(ui);
+    let kinds = [
+        ("Atmosphere", choice("Sky.atmosphere"), Sky::default()),
+        ("Uniform", choice("Sky.uniform"), Sky::Uniform { radiance: [0.1; 3] }),
+        ("None", choice("Sky.none"), Sky::None),
+    ];
+    form.choice("Scene.sky", "Kind", &mut sky, &kinds);
+    match &mut sky {
+        Sky::Atmosphere(air) => {
+            let default = Atmosphere::default();
+            form.slider("Atmosphere.haze", "Haze", &mut air.haze, default.haze, 0.0..=10.0);
+            form.slider("Atmosphere.ozone", "Ozone", &mut air.ozone, default.ozone, 0.0..=4.0);
+        }
+        Sky::Uniform { radiance } => form.color("Sky.uniform.radiance", "Radiance", radiance, [0.1; 3]),
+        Sky::None => {}
+    }
+    let change = form.changed();
+    apply(document, change, |scene| scene.sky = sky);
+}
+
+fn picture(ui: &mut Ui, document: &mut Document) {
+    let (mut exposure, mut name) = (document.scene().exposure, document.scene().name.clone());
+    let mut form = Form::new(ui);
+    form.text("Scene.name", "Name", &mut name, "no name");
+    form.slider("Scene.exposure", "Exposure", &mut exposure, 0.0, -6.0..=6.0);
+    let change = form.changed();
+    apply(document, change, |scene| (scene.exposure, scene.name) = (exposure, name));
+}
+
+fn camera(ui: &mut Ui, document: &mut Document) -> Option<Wish> {
+    let mut wish = None;
+    ui.horizontal(|ui| {
+        let set = ui.button(format!("{} Set from view", icon::CAMERA));
+        if set.on_hover_text("The picture is taken from where you look now.").clicked() {
+            wish = Some(Wish::CameraFromView);
+        }
+        let go = ui.button(format!("{} Look through", icon::EYE));
+        if go.on_hover_text("You look from where the picture is taken.").clicked() {
+            wish = Some(Wish::ViewFromCamera);
+        }
+    });
+    let mut own = document.scene().camera.is_some();
+    let mut camera = document.scene().camera();
+    let mut form = Form::new(ui);
+    form.check("Scene.camera", "Its own place", &mut own, false);
+    if own {
+        camera_rows(&mut form, &mut camera);
+    }
+    let change = form.changed();
+    if !own {
+        hint(ui, "It stands on the ground in the south and frames all clouds.");
+    }
+    apply(document, change, |scene| scene.camera = own.then_some(camera));
+    wish
+}
+
+fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
+    let default = Camera::default();
+    form.vector("Camera.position", "Position", &mut camera.position, default.position);
+    form.vector("Camera.target", "Target", &mut camera.target, default.target);
+    form.slider("Camera.roll_deg", "Roll", &mut camera.roll_deg, 0.0, -180.0..=180.0);
+    let kinds = [
+        ("Perspective", choice("Projection.perspective"), Projection::default()),
+        (
+            "Lens",
+            choice("Projection.lens"),
+            Projection::Lens { focal_length_mm: 35.0, sensor_width_mm: 36.0 },
+        ),
+        ("Orthographic", choice("Projection.orthographic"), Projection::Orthographic { height: 1000.0 }),
+        ("Whole sphere", choice("Projection.equirectangular"), Projection::Equirectangular),
+    ];
+    form.choice("Camera.projection", "Projection", &mut camera.projection, &kinds);
+    match &mut camera.projection {
+        Projection::Perspective { vertical_fov_deg } => {
+            let path = "Projection.perspective.vertical_fov_deg";
+            form.slider(path, "Field of view", vertical_fov_deg, 40.0, 5.0..=120.0);
+        }
+        Projection::Lens { focal_length_mm, sensor_width_mm } => {
+            form.slider(
+                "Projection.lens.focal_length_mm",
+                "Focal length",
+                focal_length_mm,
+                35.0,
+                10.0..=300.0,
+            );
+            form.slider("Projection.lens.sensor_width_mm", "Sensor width", sensor_width_mm, 36.0, 5.0..=70.0);
+        }
+        Projection::Orthographic { height } => {
+            form.number("Projection.orthographic.height", "Height", height, 1000.0);
+        }
+        Projection::Equirectangular => {}
+    }
+}
+
+fn noise(ui: &mut Ui, document: &mut Document) {
+    let mut noise = document.scene().noise.clone();
+    let default = Noise::default();
+    let mut form = Form::new(ui);
+    form.whole("Noise.seed", "Seed", &mut noise.seed, default.seed);
+    form.slider("Noise.scale", "Billow size", &mut noise.scale, default.scale, 1.0..=1000.0);
+    form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
+    form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
+    form.vector("Noise.offset", "Offset", &mut noise.offset, default.offset);
+    form.rotation("Noise.rotation", "Rotation", &mut noise.rotation);
+    let change = form.changed();
+    apply(document, change, |scene| scene.noise = noise);
+}
+
+fn ground(ui: &mut Ui, document: &mut Document) {
+    let mut ground = document.scene().ground.clone();
+    let default = Ground::default();
+    let mut form = Form::new(ui);
+    form.color("Ground.albedo", "Albedo", &mut ground.albedo, default.albedo);
+    form.number("Ground.altitude", "Altitude", &mut ground.altitude, default.altitude);
+    let change = form.changed();
+    apply(document, change, |scene| scene.ground = ground);
+}
+
+fn wind(ui: &mut Ui, document: &mut Document) {
+    let (mut velocity, mut time) = (document.scene().wind.velocity, document.scene().time);
+    let mut form = Form::new(ui);
+    form.vector("Wind.velocity", "Velocity", &mut velocity, DVec3::ZERO);
+    form.slider("Scene.time", "Time", &mut time, 0.0, 0.0..=600.0);
+    let change = form.changed();
+    apply(document, change, |scene| (scene.wind.velocity, scene.time) = (velocity, time));
+}

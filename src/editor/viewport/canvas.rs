@@ -1,0 +1,387 @@
+//! The picture in the viewport: coarse while something moves, then finer in helpings that
+//! leave the window alive, then nothing until something changes.
+
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
+
+use eframe::egui::{TextureId, mutex::RwLock};
+use wgpu::{TextureFormat, TextureView};
+
+use super::{
+    pace::{Helping, Pace},
+    settings::Layer,
+    statistics::Statistics,
+    subject::Subject,
+    work::{Source, Work},
+};
+use crate::{
+    Result,
+    export::Picture,
+    gpu::{Gpu, Timing},
+    render::{Frame, Quality, Renderer, Resolve, Shown, Target},
+};
+
+const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
+const SCREEN: TextureFormat = TextureFormat::Rgba8Unorm;
+/// How long the hand rests before the picture is refined.
+const REST: Duration = Duration::from_millis(160);
+/// Where light takes long, as on adapters that are no GPU, the final picture's light waits
+/// for some times as long as the preview's took: it would stop a hand that goes on.
+const PATIENCE: u32 = 6;
+const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
+
+/// How far the picture has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// As it was drawn while something moved.
+    Moving,
+    /// Every pixel, in preview quality.
+    Preview,
+    /// Final quality: as `nephos render` draws it.
+    Final,
+}
+
+/// A texture that egui shows.
+pub struct Screen {
+    texture: wgpu::Texture,
+    /// Its name for egui.
+    pub id: TextureId,
+}
+
+/// Keeps what is shown and draws it anew as needed.
+pub struct Canvas {
+    gpu: Gpu,
+    renderer: Renderer,
+    resolve: Resolve,
+    egui: Arc<RwLock<egui_wgpu::Renderer>>,
+    subject: Option<Subject>,
+    exposure: f64,
+    stage: Stage,
+    rest_at: Instant,
+    moving: Pace,
+    editing: Pace,
+    helping: Helping,
+    light_resolution: u32,
+    work: Option<Work>,
+    linear: Option<wgpu::Texture>,
+    screen: Option<Screen>,
+    /// Why there is no new picture.
+    pub error: Option<String>,
+    /// What was drawn and how long it took.
+    pub statistics: Statistics,
+}
+
+impl Canvas {
+    /// Draws with `gpu` into textures that `egui` shows.
+    pub fn new(gpu: Gpu, egui: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
+        let renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
+        let pace = if gpu.adapter.kind == "Cpu" { Pace::SLOW } else { Pace::default() };
+        Self {
+            renderer,
+            resolve: Resolve::default(),
+            egui,
+            subject: None,
+            exposure: 0.0,
+            stage: Stage::Moving,
+            rest_at: Instant::now(),
+            moving: pace,
+            editing: pace,
+            helping: Helping::default(),
+            light_resolution: Quality::DRAFT.light_resolution,
+            work: None,
+            linear: None,
+            screen: None,
+            error: None,
+            statistics: Statistics::default(),
+            gpu,
+        }
+    }
+
+    /// The picture for egui.
+    pub fn image(&self) -> Option<TextureId> {
+        self.screen.as_ref().map(|screen| screen.id)
+    }
+
+    /// The linear picture that is shown, and how far it has come.
+    pub fn picture(&self) -> Option<(&wgpu::Texture, Stage)> {
+        Some((self.linear.as_ref()?, self.stage))
+    }
+
+    /// What is seen.
+    pub fn subject(&self) -> Option<&Subject> {
+        self.subject.as_ref()
+    }
+
+    /// The device that it draws with.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Whether there is nothing left to draw.
+    pub fn at_rest(&self) -> bool {
+        self.stage == Stage::Final && self.subject.is_some()
+    }
+
+    /// Whether passes are timed and work is counted; makes pictures a little slower.
+    pub fn measure(&mut self, on: bool) {
+        if self.renderer.counting != on {
+            self.renderer.counting = on;
+            self.renderer.timing = on.then(|| Timing::new(&self.gpu));
+            self.statistics.counts = None;
+            self.statistics.passes.clear();
+            self.again();
+        }
+    }
+
+    /// Draws again from preview on.
+    pub fn again(&mut self) {
+        self.stage = Stage::Moving;
+        self.work = None;
+    }
+
+    /// Does a frame's share of work for `subject` within `budget`; tells when to come again.
+    pub fn update(&mut self, subject: Subject, exposure: f64, budget: Duration) -> Option<Duration> {
+        let step = self.step(subject, exposure, budget);
+        step.unwrap_or_else(|error| {
+            self.error = Some(error.to_string());
+            self.work = None;
+            self.stage = Stage::Final;
+            None
+        })
+    }
+
+    fn step(&mut self, subject: Subject, exposure: f64, budget: Duration) -> Result<Option<Duration>> {
+        let exposed = std::mem::replace(&mut self.exposure, exposure) != exposure;
+        let before = self.subject.as_ref();
+        let edited = before.is_none_or(|before| !before.same_scene(&subject));
+        if edited || before.is_none_or(|before| !before.same_view(&subject)) {
+            self.move_to(subject, edited, budget)?;
+            return Ok(Some(REST));
+        }
+        self.subject = Some(subject);
+        if exposed {
+            self.compose_again();
+        }
+        if self.stage == Stage::Final {
+            return Ok(None);
+        }
+        let now = Instant::now();
+        if now < self.rest_at {
+            return Ok(Some(self.rest_at - now));
+        }
+        self.refine(budget)?;
+        Ok(Some(Duration::ZERO))
+    }
+
+    /// Something moved: a whole picture at once, as fine as there is time for.
+    fn move_to(&mut self, subject: Subject, edited: bool, budget: Duration) -> Result<()> {
+        if edited {
+            self.light_resolution = Quality::DRAFT.light_resolution;
+        }
+        self.abandon();
+        let pace = if edited { self.editing } else { self.moving };
+        let size = pace.size(subject.size);
+        self.subject = Some(subject);
+        self.stage = Stage::Moving;
+        self.error = None;
+        let started = Instant::now();
+        let mut work = self.begin(Stage::Moving, size, 1)?;
+        self.draw(&mut work, u32::MAX)?;
+        let spent = started.elapsed();
+        let pace = if edited { &mut self.editing } else { &mut self.moving };
+        pace.measured(1e3 * spent.as_secs_f64(), 1e3 * budget.as_secs_f64());
+        work.spent = spent;
+        self.show(&work)?;
+        self.rest_at = Instant::now() + REST;
+        Ok(())
+    }
+
+    /// At rest: a helping of the next finer picture.
+    fn refine(&mut self, budget: Duration) -> Result<()> {
+        let started = Instant::now();
+        let mut work = match self.work.take() {
+            Some(work) => work,
+            None => self.next()?,
+        };
+        let tiles = self.helping.tiles();
+        let drawing = Instant::now();
+        self.draw(&mut work, tiles)?;
+        let ms = 1e3 * drawing.elapsed().as_secs_f64();
+        self.helping.measured(tiles, ms, 1e3 * budget.as_secs_f64());
+        work.spent += started.elapsed();
+        self.statistics.share = work.pieces.share();
+        if work.pieces.finished() {
+            self.stage = work.stage;
+            self.show(&work)?;
+            self.rest_at = Instant::now() + (PATIENCE * work.began).min(LONGEST_PATIENCE);
+            self.read_statistics()?;
+        } else {
+            self.work = Some(work);
+        }
+        Ok(())
+    }
+
+    fn next(&mut self) -> Result<Work> {
+        let Some(Subject { size, rays, .. }) = self.subject else { unreachable!("refines what was drawn") };
+        if self.stage < Stage::Preview {
+            self.light_resolution = self.light_resolution.max(Quality::PREVIEW.light_resolution);
+            self.begin(Stage::Preview, size, 1)
+        } else {
+            self.light_resolution = Quality::FINAL.light_resolution;
+            self.begin(Stage::Final, size.map(|n| rays * n), rays)
+        }
+    }
+
+    fn begin(&mut self, stage: Stage, size: [u32; 2], rays: u32) -> Result<Work> {
+        let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
+        let frame = subject.frame(size)?;
+        let quality = match stage {
+            Stage::Moving => Quality::DRAFT,
+            Stage::Preview => Quality::PREVIEW,
+            Stage::Final => Quality::FINAL,
+        };
+        self.renderer.quality = Quality { light_resolution: self.light_resolution, ..quality };
+        let started = Instant::now();
+        let mut encoder = self.encoder();
+        let (source, pieces) = match subject.layer {
+            Layer::Beauty => {
+                let texture = self.renderer.picture("viewport", size, LINEAR);
+                let target = Target { color: &view(&texture), depth: None, sky: true };
+                let pieces = self.renderer.begin_pieces(&mut encoder, &frame, &target);
+                (Source::Beauty(texture), pieces)
+            }
+            Layer::Cost => {
+                let (texture, pieces) = self.renderer.begin_cost(&mut encoder, &frame);
+                (Source::Cost(texture), pieces)
+            }
+            _ => {
+                let (layers, pieces) = self.renderer.begin_layers(&mut encoder, &frame);
+                (Source::Layers(Box::new(layers)), pieces)
+            }
+        };
+        self.submit(encoder)?;
+        Ok(Work { pieces, source, stage, rays, size, began: started.elapsed(), spent: Duration::ZERO })
+    }
+
+    fn draw(&mut self, work: &mut Work, tiles: u32) -> Result<()> {
+        let mut encoder = self.encoder();
+        self.renderer.draw_pieces(&mut encoder, &mut work.pieces, tiles);
+        self.submit(encoder)
+    }
+
+    fn show(&mut self, work: &Work) -> Result<()> {
+        let size = work.size.map(|n| n / work.rays);
+        let Some(subject) = &self.subject else { return Ok(()) };
+        let (source, shown) = work.source.shown(subject.layer);
+        let source = (&view(source), work.rays, shown);
+        let mut slot = self.screen.take();
+        let screen = self.fit(&mut slot, size);
+        self.screen = slot;
+        let mut encoder = self.encoder();
+        if matches!(shown, Shown::Beauty | Shown::Light) {
+            let linear = self.renderer.picture("viewport", size, LINEAR);
+            self.resolve.draw(&self.gpu.device, &mut encoder, source, &view(&linear), LINEAR);
+            self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, self.exposure);
+            self.linear = Some(linear);
+        } else {
+            self.resolve.draw(&self.gpu.device, &mut encoder, source, &screen, SCREEN);
+            self.linear = None;
+        }
+        self.submit(encoder)?;
+        self.statistics.drawn(work.stage, size, work.rays, work.spent);
+        self.statistics.light_updates = self.renderer.light_updates();
+        Ok(())
+    }
+
+    /// Only the exposure changed.
+    fn compose_again(&mut self) {
+        let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
+            return;
+        };
+        let mut encoder = self.encoder();
+        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, self.exposure);
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    /// Finishes a linear picture for the screen.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn compose_into(
+        &mut self,
+        slot: &mut Option<Screen>,
+        linear: &wgpu::Texture,
+        exposure: f64,
+    ) -> Result<()> {
+        let screen = self.fit(slot, [linear.width(), linear.height()]);
+        let mut encoder = self.encoder();
+        self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, exposure);
+        self.submit(encoder)
+    }
+
+    /// What is behind the clouds of `frame`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn sky(&mut self, frame: &Frame) -> Result<Picture> {
+        let sky = self.renderer.picture("sky", frame.size(), LINEAR);
+        let mut encoder = self.encoder();
+        self.renderer.render_sky(&mut encoder, frame, &view(&sky));
+        self.submit(encoder)?;
+        Picture::read(&self.gpu, &sky)
+    }
+
+    /// The texture of a slot, made anew where its size is another.
+    fn fit(&self, slot: &mut Option<Screen>, size: [u32; 2]) -> TextureView {
+        if let Some(Screen { texture, .. }) = slot
+            && [texture.width(), texture.height()] == size
+        {
+            return view(texture);
+        }
+        let texture = self.renderer.picture("viewport on the screen", size, SCREEN);
+        let target = view(&texture);
+        let filter = wgpu::FilterMode::Linear;
+        let mut egui = self.egui.write();
+        let id = match slot.take() {
+            Some(Screen { id, .. }) => {
+                egui.update_egui_texture_from_wgpu_texture(&self.gpu.device, &target, filter, id);
+                id
+            }
+            None => egui.register_native_texture(&self.gpu.device, &target, filter),
+        };
+        *slot = Some(Screen { texture, id });
+        target
+    }
+
+    fn abandon(&mut self) {
+        if self.work.take().is_some() && self.renderer.timing.is_some() {
+            // Its time stamps would be read as the next picture's.
+            self.renderer.timing = Some(Timing::new(&self.gpu));
+        }
+    }
+
+    fn read_statistics(&mut self) -> Result<()> {
+        if self.renderer.counting {
+            self.statistics.counts = Some(self.renderer.counts(&self.gpu)?);
+        }
+        if let Some(timing) = &self.renderer.timing {
+            self.statistics.passes = timing.collect(&self.gpu)?;
+        }
+        Ok(())
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu.device.create_command_encoder(&Default::default())
+    }
+
+    fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.finish("drawing the viewport")
+    }
+}
+
+fn view(texture: &wgpu::Texture) -> TextureView {
+    texture.create_view(&Default::default())
+}

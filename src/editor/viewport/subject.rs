@@ -1,0 +1,46 @@
+//! What the viewport is to show.
+
+use std::sync::Arc;
+
+use super::settings::Layer;
+use crate::{
+    Result,
+    render::Frame,
+    scene::{Camera, Scene},
+};
+
+/// What is to be seen.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The scene; its own camera, its exposure and its name do not count.
+    pub scene: Arc<Scene>,
+    /// The viewport's camera.
+    pub camera: Camera,
+    /// Size of the viewport, pixels of the screen.
+    pub size: [u32; 2],
+    /// Which light.
+    pub layer: Layer,
+    /// Rays across a pixel of the final picture.
+    pub rays: u32,
+}
+
+impl Subject {
+    /// The scene as this viewport sees it.
+    pub fn frame(&self, size: [u32; 2]) -> Result<Frame> {
+        Frame::new(&Scene { camera: Some(self.camera.clone()), ..Scene::clone(&self.scene) }, size)
+    }
+
+    pub(super) fn same_scene(&self, other: &Self) -> bool {
+        if Arc::ptr_eq(&self.scene, &other.scene) {
+            return true;
+        }
+        let seen =
+            |scene: &Scene| Scene { camera: None, exposure: 0.0, name: String::new(), ..scene.clone() };
+        seen(&self.scene) == seen(&other.scene)
+    }
+
+    pub(super) fn same_view(&self, other: &Self) -> bool {
+        (&self.camera, self.size, self.layer, self.rays)
+            == (&other.camera, other.size, other.layer, other.rays)
+    }
+}
