@@ -56,7 +56,7 @@ fn main() -> Result<()> {
     let scene_depth = SceneDepth { view: &depth_view, near: NEAR, far: f32::INFINITY, reversed: true };
     let target = Target { color: &color_view, depth: Some(scene_depth), sky: false };
     clouds.render(&mut encoder, &frame, &target);
-    clouds.compose(&mut encoder, &color_view, &finished_view, finished.format(), scene.exposure);
+    clouds.compose(&mut encoder, &color_view, &finished_view, finished.format(), scene.tone());
     queue.submit([encoder.finish()]);
     gpu.finish("drawing the frame")?;
 

@@ -82,7 +82,7 @@ fn draw(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Result<Vec<u8>> {
     let finished = renderer.picture("finished", SIZE, wgpu::TextureFormat::Rgba8Unorm);
     let [from, to] = [&reduced, &finished].map(|texture| texture.create_view(&Default::default()));
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.compose(&mut encoder, &from, &to, finished.format(), scene.exposure);
+    renderer.compose(&mut encoder, &from, &to, finished.format(), scene.tone());
     gpu.queue.submit([encoder.finish()]);
     gpu::read_texture(gpu, &finished, 0)
 }

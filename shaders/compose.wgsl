@@ -1,13 +1,14 @@
-// The finished picture for a screen: exposure, film curve, sRGB. Transparent pixels come
+// The finished picture for a screen: exposure, tone curve, sRGB. Transparent pixels come
 // out unassociated (colour not multiplied by alpha), as PNG wants them.
 // @use tonemap random
 
 struct Compose {
     // Factor on scene light, from stops.
     exposure: f32,
+    // TONE_FILMIC, TONE_SOFT or TONE_LINEAR.
+    curve: u32,
     padding_x: f32,
     padding_y: f32,
-    padding_z: f32,
 }
 
 @group(0) @binding(0) var<uniform> settings: Compose;
@@ -24,5 +25,5 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let color = light.rgb / max(light.a, 1e-4);
     // One step of an 8-bit channel, triangular, against bands in smooth skies.
     let dither = interleaved_gradient(position.xy) + interleaved_gradient(position.yx + 47.0) - 1.0;
-    return vec4f(srgb_encode(filmic(settings.exposure * color)) + dither / 255.0, light.a);
+    return vec4f(srgb_encode(tone_curve(settings.curve, settings.exposure * color)) + dither / 255.0, light.a);
 }

@@ -434,7 +434,7 @@ fn the_final_picture_is_what_the_renderer_gives() {
     let screen = renderer.picture("screen", [96, 54], wgpu::TextureFormat::Rgba8Unorm);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let [from, to] = [&picture, &screen].map(|texture| texture.create_view(&Default::default()));
-    renderer.compose(&mut encoder, &from, &to, wgpu::TextureFormat::Rgba8Unorm, scene.exposure);
+    renderer.compose(&mut encoder, &from, &to, wgpu::TextureFormat::Rgba8Unorm, scene.tone());
     gpu.queue.submit([encoder.finish()]);
     let expected = nephos::gpu::read_texture(gpu, &screen, 0).unwrap();
     // Half floats between the passes, and egui's own rounding: a step of 255 each.

@@ -523,6 +523,36 @@ fn twins() -> Vec<Twin> {
             1e-6,
         ),
         twin(
+            "soft",
+            "tonemap",
+            "return vec4f(soft(x[0].xyz), 0.0);",
+            grid(&[-1.0, 0.0, 0.01], &[0.18, 1.0], &[8.0, 1e4], &[0.0]),
+            // Reinhard et al. (2002), eq. 4, of 1.9 times the light, white at 8.
+            |x| {
+                let curve = |x: f64| {
+                    let (l, white) = (1.9 * x.max(0.0), 1.9 * 8.0);
+                    (l * (1.0 + l / (white * white)) / (1.0 + l)).min(1.0)
+                };
+                out(xyz(x[0]).to_array().map(curve).into())
+            },
+            1e-4,
+            1e-6,
+        ),
+        twin(
+            "tone_curve",
+            "tonemap",
+            "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(2u, x[0].xxx).x, 0.0);",
+            grid(&[0.0, 0.18, 2.0], &[0.0], &[0.0], &[0.0]),
+            |x| {
+                let x = x[0][0];
+                let filmic = (2.51 * x * x + 0.03 * x) / (2.43 * x * x + 0.59 * x + 0.14);
+                let soft = 1.9 * x * (1.0 + 1.9 * x / 231.04) / (1.0 + 1.9 * x);
+                [filmic.min(1.0), soft, x.min(1.0), f64::NAN]
+            },
+            1e-4,
+            1e-6,
+        ),
+        twin(
             "srgb_encode",
             "tonemap",
             "return vec4f(srgb_encode(x[0].xyz), 0.0);",

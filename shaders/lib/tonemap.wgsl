@@ -1,10 +1,30 @@
-// From scene-referred light to the screen: exposure, a filmic curve, sRGB.
+// From scene-referred light to the screen: a tone curve and sRGB.
 
 // Film-like curve: Narkowicz's fit (2015) of the ACES reference transform, per channel.
 // 0.18 stays near 0.27, 1 becomes 0.80, and light rolls off to 1 at about 8.
 fn filmic(light: vec3f) -> vec3f {
     let x = max(light, vec3f(0.0));
     return saturate(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14));
+}
+
+// Reinhard's curve (2002) with its white point, per channel: keeps contrast in highlights,
+// reaches 1 at 8. Scaled so that 0.18 comes out as from the film-like curve.
+fn soft(light: vec3f) -> vec3f {
+    let x = 1.9 * max(light, vec3f(0.0));
+    return saturate(x * (1.0 + x / (15.2 * 15.2)) / (1.0 + x));
+}
+
+const TONE_FILMIC: u32 = 0u;
+const TONE_SOFT: u32 = 1u;
+const TONE_LINEAR: u32 = 2u;
+
+// Light to the screen's, 0 to 1, still linear.
+fn tone_curve(curve: u32, light: vec3f) -> vec3f {
+    switch curve {
+        case TONE_SOFT: { return soft(light); }
+        case TONE_LINEAR: { return saturate(light); }
+        default: { return filmic(light); }
+    }
 }
 
 // IEC 61966-2-1.

@@ -173,7 +173,7 @@ impl Render {
         progress: &mut dyn FnMut(f64),
     ) -> Result<()> {
         let linear = self.beauty(gpu, renderer, frame, progress)?;
-        let bytes = linear.finished(gpu, renderer, scene.exposure)?;
+        let bytes = linear.finished(gpu, renderer, scene.tone())?;
         export::write_png(&self.output, [self.width, self.height], &bytes, self.transparent)
     }
 

@@ -177,7 +177,7 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
     if is_exr {
         export::write_beauty(&still.path, &picture)?;
     } else {
-        let bytes = picture.finished(gpu, &mut renderer, scene.exposure)?;
+        let bytes = picture.finished(gpu, &mut renderer, scene.tone())?;
         export::write_png(&still.path, still.size, &bytes, still.transparent)?;
     }
     Ok(true)

@@ -1,5 +1,6 @@
 //! Pictures on the CPU.
 
+use crate::scene::Tone;
 use half::f16;
 
 use crate::{
@@ -55,17 +56,17 @@ impl Picture {
         }
     }
 
-    /// The picture as screens show it: exposed by `stops`, tone-mapped, RGBA of 8 bits in sRGB.
+    /// The picture as screens show it: exposed and tone-mapped, RGBA of 8 bits in sRGB.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
-    pub fn finished(&self, gpu: &Gpu, renderer: &mut Renderer, stops: f64) -> Result<Vec<u8>> {
+    pub fn finished(&self, gpu: &Gpu, renderer: &mut Renderer, tone: Tone) -> Result<Vec<u8>> {
         let size = [self.width as u32, self.height as u32];
         let linear = self.upload(gpu);
         let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));
-        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), stops);
+        renderer.compose(&mut encoder, &views[0], &views[1], finished.format(), tone);
         gpu.queue.submit([encoder.finish()]);
         gpu::read_texture(gpu, &finished, 0)
     }

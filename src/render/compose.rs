@@ -1,13 +1,17 @@
 //! From scene-referred light to the screen.
 
-use crate::gpu;
+use crate::{
+    gpu,
+    scene::{Tone, ToneCurve},
+};
 
 /// `Compose` of `shaders/compose.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct ComposeUniform {
     pub(super) exposure: f32,
-    pub(super) padding: [f32; 3],
+    pub(super) curve: u32,
+    pub(super) padding: [f32; 2],
 }
 
 /// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
@@ -15,9 +19,15 @@ pub struct ComposeUniform {
 const BASE: f64 = 6.0;
 
 impl ComposeUniform {
-    /// For an exposure in stops.
-    pub fn new(stops: f64) -> Self {
-        Self { exposure: (BASE * stops.exp2()) as f32, padding: [0.0; 3] }
+    /// For a tone.
+    pub fn new(tone: Tone) -> Self {
+        // The constants of `shaders/lib/tonemap.wgsl`.
+        let curve = match tone.curve {
+            ToneCurve::Filmic => 0,
+            ToneCurve::Soft => 1,
+            ToneCurve::Linear => 2,
+        };
+        Self { exposure: (BASE * tone.stops.exp2()) as f32, curve, padding: [0.0; 2] }
     }
 }
 
@@ -37,9 +47,9 @@ impl Compose {
         encoder: &mut wgpu::CommandEncoder,
         picture: &wgpu::TextureView,
         target: &wgpu::TextureView,
-        stops: f64,
+        tone: Tone,
     ) {
-        let uniform = gpu::uniform_buffer(device, "compose", &ComposeUniform::new(stops));
+        let uniform = gpu::uniform_buffer(device, "compose", &ComposeUniform::new(tone));
         let layout = self.pipeline.get_bind_group_layout(0);
         let resources =
             [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];

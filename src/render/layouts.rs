@@ -79,7 +79,7 @@ fn structs_of_rust_and_shaders_agree() {
                 degrees, sun, sky),
         ),
         ("clouds", "Tile", layout!(Tile: area, first, count)),
-        ("compose", "Compose", layout!(ComposeUniform: exposure)),
+        ("compose", "Compose", layout!(ComposeUniform: exposure, curve)),
         ("resolve", "Resolve", layout!(ResolveUniform: rays, shown, range, stops)),
     ];
     for (shader, name, rust) in cases {

@@ -15,6 +15,7 @@ use super::{
     stats::Counters,
     target::{Layers, SceneDepth, Target},
 };
+use crate::scene::Tone;
 use crate::{
     Result,
     gpu::{self, Gpu, TextureDesc, Timing},
@@ -238,13 +239,13 @@ impl Renderer {
         picture: &wgpu::TextureView,
         target: &wgpu::TextureView,
         format: wgpu::TextureFormat,
-        stops: f64,
+        tone: Tone,
     ) {
         if self.compose.as_ref().is_none_or(|(known, _)| *known != format) {
             self.compose = Some((format, Compose::new(&self.device, format)));
         }
         if let Some((_, compose)) = &self.compose {
-            compose.draw(&self.device, encoder, picture, target, stops);
+            compose.draw(&self.device, encoder, picture, target, tone);
         }
     }
 

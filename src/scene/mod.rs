@@ -13,6 +13,7 @@ mod noise;
 mod presets;
 mod sky;
 mod sun;
+mod tone;
 mod validate;
 mod wind;
 
@@ -30,6 +31,7 @@ pub use noise::Noise;
 pub use presets::{Heaps, Preset};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
+pub use tone::{Tone, ToneCurve};
 pub use wind::Wind;
 
 use crate::Result;
@@ -82,6 +84,13 @@ pub struct Scene {
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
     #[schemars(range(min = EXPOSURE.min, max = EXPOSURE.max), extend("unit" = EXPOSURE.unit))]
     pub exposure: f64,
+    /// How light becomes what a screen shows: "filmic", "soft" or "linear"; "filmic" where left out.
+    #[serde(skip_serializing_if = "is_default")]
+    pub tone_curve: ToneCurve,
+}
+
+fn is_default(curve: &ToneCurve) -> bool {
+    *curve == ToneCurve::default()
 }
 
 impl Default for Scene {
@@ -98,6 +107,7 @@ impl Default for Scene {
             time: 0.0,
             camera: None,
             exposure: 0.0,
+            tone_curve: ToneCurve::default(),
         }
     }
 }
@@ -123,6 +133,11 @@ impl Scene {
                 camera
             }
         }
+    }
+
+    /// How its light becomes a picture for screens.
+    pub fn tone(&self) -> Tone {
+        Tone { stops: self.exposure, curve: self.tone_curve }
     }
 
     /// Checks every value of the scene and tells the first that is wrong.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{SunPanel, apply, hint, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Atmosphere, Camera, Ground, Noise, Projection, Sky},
+    scene::{Atmosphere, Camera, Ground, Noise, Projection, Sky, ToneCurve},
 };
 
 /// What this panel asks of others.
@@ -63,12 +63,21 @@ fn sky(ui: &mut Ui, document: &mut Document) {
 }
 
 fn picture(ui: &mut Ui, document: &mut Document) {
-    let (mut exposure, mut name) = (document.scene().exposure, document.scene().name.clone());
+    let scene = document.scene();
+    let (mut exposure, mut curve, mut name) = (scene.exposure, scene.tone_curve, scene.name.clone());
+    let curves = [
+        ("Filmic", "Like film: more contrast in the middle, highlights roll off.", ToneCurve::Filmic),
+        ("Soft", "Less contrast: shades in bright clouds stay apart.", ToneCurve::Soft),
+        ("Linear", "None: what is brighter than white is cut.", ToneCurve::Linear),
+    ];
     let mut form = Form::new(ui);
     form.text("Scene.name", "Name", &mut name, "no name");
     form.slider("Scene.exposure", "Exposure", &mut exposure, 0.0, -6.0..=6.0);
+    form.choice("Scene.tone_curve", "Tone curve", &mut curve, &curves);
     let change = form.changed();
-    apply(document, change, |scene| (scene.exposure, scene.name) = (exposure, name));
+    apply(document, change, |scene| {
+        (scene.exposure, scene.tone_curve, scene.name) = (exposure, curve, name);
+    });
 }
 
 fn camera(ui: &mut Ui, document: &mut Document) -> Option<Wish> {

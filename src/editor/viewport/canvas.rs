@@ -1,6 +1,7 @@
 //! The picture in the viewport: coarse while something moves, then finer in helpings that
 //! leave the window alive, then nothing until something changes.
 
+use crate::scene::Tone;
 use std::{
     sync::Arc,
     time::{Duration, Instant},
@@ -57,7 +58,7 @@ pub struct Canvas {
     resolve: Resolve,
     egui: Arc<RwLock<egui_wgpu::Renderer>>,
     subject: Option<Subject>,
-    exposure: f64,
+    tone: Tone,
     stage: Stage,
     rest_at: Instant,
     moving: Pace,
@@ -83,7 +84,7 @@ impl Canvas {
             resolve: Resolve::default(),
             egui,
             subject: None,
-            exposure: 0.0,
+            tone: Tone::default(),
             stage: Stage::Moving,
             rest_at: Instant::now(),
             moving: pace,
@@ -142,8 +143,8 @@ impl Canvas {
     }
 
     /// Does a frame's share of work for `subject` within `budget`; tells when to come again.
-    pub fn update(&mut self, subject: Subject, exposure: f64, budget: Duration) -> Option<Duration> {
-        let step = self.step(subject, exposure, budget);
+    pub fn update(&mut self, subject: Subject, tone: Tone, budget: Duration) -> Option<Duration> {
+        let step = self.step(subject, tone, budget);
         step.unwrap_or_else(|error| {
             self.error = Some(error.to_string());
             self.work = None;
@@ -152,8 +153,8 @@ impl Canvas {
         })
     }
 
-    fn step(&mut self, subject: Subject, exposure: f64, budget: Duration) -> Result<Option<Duration>> {
-        let exposed = std::mem::replace(&mut self.exposure, exposure) != exposure;
+    fn step(&mut self, subject: Subject, tone: Tone, budget: Duration) -> Result<Option<Duration>> {
+        let exposed = std::mem::replace(&mut self.tone, tone) != tone;
         let before = self.subject.as_ref();
         let edited = before.is_none_or(|before| !before.same_scene(&subject));
         if edited || before.is_none_or(|before| !before.same_view(&subject)) {
@@ -283,7 +284,7 @@ impl Canvas {
         if matches!(shown, Shown::Beauty | Shown::Light) {
             let linear = self.renderer.picture("viewport", size, LINEAR);
             self.resolve.draw(&self.gpu.device, &mut encoder, source, &view(&linear), LINEAR);
-            self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, self.exposure);
+            self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, self.tone);
             self.linear = Some(linear);
         } else {
             self.resolve.draw(&self.gpu.device, &mut encoder, source, &screen, SCREEN);
@@ -295,13 +296,13 @@ impl Canvas {
         Ok(())
     }
 
-    /// Only the exposure changed.
+    /// Only exposure or tone curve changed.
     fn compose_again(&mut self) {
         let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
             return;
         };
         let mut encoder = self.encoder();
-        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, self.exposure);
+        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, self.tone);
         self.gpu.queue.submit([encoder.finish()]);
     }
 
@@ -313,11 +314,11 @@ impl Canvas {
         &mut self,
         slot: &mut Option<Screen>,
         linear: &wgpu::Texture,
-        exposure: f64,
+        tone: Tone,
     ) -> Result<()> {
         let screen = self.fit(slot, [linear.width(), linear.height()]);
         let mut encoder = self.encoder();
-        self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, exposure);
+        self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, tone);
         self.submit(encoder)
     }
 

@@ -1,5 +1,6 @@
 //! Truth and preview side by side: the line between them, their names, the numbers.
 
+use crate::scene::Tone;
 use std::time::Duration;
 
 use eframe::egui::{Align2, Color32, CursorIcon, Id, Painter, Rect, Sense, Ui, pos2, vec2};
@@ -13,10 +14,10 @@ const REACH: f32 = 7.0;
 
 impl Viewport {
     /// Shows the truth, or the map of differences, to the right of the line.
-    pub(super) fn draw_truth(&mut self, ui: &Ui, painter: &Painter, exposure: f64, budget: Duration) {
+    pub(super) fn draw_truth(&mut self, ui: &Ui, painter: &Painter, tone: Tone, budget: Duration) {
         let Some(truth) = &mut self.truth else { return };
         if self.canvas.at_rest() {
-            if truth.update(ui.ctx(), &mut self.canvas, exposure, budget) {
+            if truth.update(ui.ctx(), &mut self.canvas, tone, budget) {
                 ui.ctx().request_repaint();
             }
         } else {

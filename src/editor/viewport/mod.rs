@@ -280,13 +280,13 @@ impl Viewport {
         };
         let budget = Duration::from_secs_f64(1.0 / self.settings.frames_per_second.clamp(5.0, 120.0));
         self.canvas.measure(self.settings.measure);
-        if let Some(after) = self.canvas.update(subject, document.scene().exposure, budget) {
+        if let Some(after) = self.canvas.update(subject, document.scene().tone(), budget) {
             ui.ctx().request_repaint_after(after);
         }
         if let Some(image) = self.canvas.image() {
             painter.image(image, self.rect, compare::WHOLE, Color32::WHITE);
         }
-        self.draw_truth(ui, painter, document.scene().exposure, budget);
+        self.draw_truth(ui, painter, document.scene().tone(), budget);
     }
 
     /// Whether the view is the scene's camera.

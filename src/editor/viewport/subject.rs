@@ -6,13 +6,13 @@ use super::settings::Layer;
 use crate::{
     Result,
     render::Frame,
-    scene::{Camera, Scene},
+    scene::{Camera, Scene, ToneCurve},
 };
 
 /// What is to be seen.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    /// The scene; its own camera, its exposure and its name do not count.
+    /// The scene; its own camera, how it is toned and its name do not count.
     pub scene: Arc<Scene>,
     /// The viewport's camera.
     pub camera: Camera,
@@ -34,8 +34,13 @@ impl Subject {
         if Arc::ptr_eq(&self.scene, &other.scene) {
             return true;
         }
-        let seen =
-            |scene: &Scene| Scene { camera: None, exposure: 0.0, name: String::new(), ..scene.clone() };
+        let seen = |scene: &Scene| Scene {
+            camera: None,
+            exposure: 0.0,
+            tone_curve: ToneCurve::default(),
+            name: String::new(),
+            ..scene.clone()
+        };
         seen(&self.scene) == seen(&other.scene)
     }
 

@@ -1,6 +1,7 @@
 //! Truth beside the preview: the path tracer converges over the viewport, a bounded piece
 //! of work at a time, and the difference is told in numbers and colours.
 
+use crate::scene::Tone;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
@@ -34,7 +35,7 @@ pub struct Truth {
 /// What is known of one subject.
 struct Run {
     subject: Subject,
-    exposure: f64,
+    tone: Tone,
     tracer: PathTracer,
     preview: Picture,
     sky: Picture,
@@ -91,8 +92,8 @@ impl Truth {
 
     /// Does a piece of work for what `canvas` shows, once that is final. Tells whether there
     /// is more to do.
-    pub fn update(&mut self, ctx: &Context, canvas: &mut Canvas, exposure: f64, budget: Duration) -> bool {
-        match self.step(ctx, canvas, exposure, budget) {
+    pub fn update(&mut self, ctx: &Context, canvas: &mut Canvas, tone: Tone, budget: Duration) -> bool {
+        match self.step(ctx, canvas, tone, budget) {
             Ok(more) => more,
             Err(error) => {
                 self.error = Some(error.to_string());
@@ -102,17 +103,17 @@ impl Truth {
         }
     }
 
-    fn step(&mut self, ctx: &Context, canvas: &mut Canvas, exposure: f64, budget: Duration) -> Result<bool> {
+    fn step(&mut self, ctx: &Context, canvas: &mut Canvas, tone: Tone, budget: Duration) -> Result<bool> {
         let Some(subject) = canvas.subject().cloned() else { return Ok(false) };
         let same = |run: &Run| run.subject.same_scene(&subject) && run.subject.same_view(&subject);
         if !self.run.as_ref().is_some_and(same) {
             self.error = None;
-            self.run = begin(canvas, subject, exposure)?;
+            self.run = begin(canvas, subject, tone)?;
         }
         let Some(run) = &mut self.run else { return Ok(false) };
-        let exposed = std::mem::replace(&mut run.exposure, exposure) != exposure;
+        let exposed = std::mem::replace(&mut run.tone, tone) != tone;
         if exposed && let Some(shown) = &run.shown {
-            canvas.compose_into(&mut self.screen, &shown.linear, exposure)?;
+            canvas.compose_into(&mut self.screen, &shown.linear, tone)?;
         }
         if run.done {
             return Ok(false);
@@ -121,7 +122,7 @@ impl Truth {
         if run.due() {
             let map = run.show(canvas.gpu())?;
             if let Some(shown) = &run.shown {
-                canvas.compose_into(&mut self.screen, &shown.linear, exposure)?;
+                canvas.compose_into(&mut self.screen, &shown.linear, tone)?;
             }
             let options = TextureOptions::NEAREST;
             match &mut self.map {
@@ -134,13 +135,13 @@ impl Truth {
 }
 
 /// Begins where the preview is final.
-fn begin(canvas: &mut Canvas, subject: Subject, exposure: f64) -> Result<Option<Run>> {
+fn begin(canvas: &mut Canvas, subject: Subject, tone: Tone) -> Result<Option<Run>> {
     let Some((linear, Stage::Final)) = canvas.picture() else { return Ok(None) };
     let preview = Picture::read(canvas.gpu(), linear)?;
     let frame = subject.frame([preview.width as u32, preview.height as u32])?;
     let sky = canvas.sky(&frame)?;
     let tracer = PathTracer::new(canvas.gpu(), &frame, 0)?;
-    Ok(Some(Run { subject, exposure, tracer, preview, sky, samples: 0, target: 9, shown: None, done: false }))
+    Ok(Some(Run { subject, tone, tracer, preview, sky, samples: 0, target: 9, shown: None, done: false }))
 }
 
 impl Run {

@@ -1,0 +1,27 @@
+//! How scene light becomes a picture for screens.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The curve from scene light to what a screen shows. EXR files hold scene light itself and
+/// have none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ToneCurve {
+    /// Like film: more contrast in the middle, highlights roll off.
+    #[default]
+    Filmic,
+    /// Less contrast: shades in bright clouds stay apart.
+    Soft,
+    /// None: what is brighter than white is cut, for measuring and for other tools.
+    Linear,
+}
+
+/// Exposure and curve of a picture for screens.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tone {
+    /// Exposure in stops.
+    pub stops: f64,
+    /// The curve.
+    pub curve: ToneCurve,
+}
