@@ -311,7 +311,7 @@ fn slab_radiance(p: vec3f, direction: vec3f) -> f32 {
     for (var orders = 0u; orders < SLAB_SETS; orders++) {
         if TRANSPORT == SLAB_BOUTHORS {
             fit = slab_fit_bouthors(cloud.sun, sun_depths, sun_normals, slab_entries, slab_offsets, clamped, orders, p,
-                -direction, cloud.mean_free_path);
+                -direction, cloud.mean_free_path / cloud.similarity);
             count(MAP_READS, fit.reads);
         }
         let view = slab_fit_view(fit, p, -direction, cloud.to_sun, cloud.mean_free_path / cloud.similarity);
@@ -395,6 +395,9 @@ struct Node {
 
 const MOST_NODES: u32 = 8u;
 var<private> nodes: array<Node, MOST_NODES>;
+// The one point of Kol and Bouthors: where the ray has gathered this much of its opacity.
+const SURFACE: f32 = 0.0625;
+var<private> surface: Node;
 
 fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
     let p = ray.origin + t * ray.direction;
@@ -407,6 +410,9 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
         nodes[node].depth = depth;
     }
     nodes[node].seen += seen;
+    if TRANSPORT >= SLAB_KOL && gathered <= SURFACE {
+        surface = Node(t, depth, 1.0);
+    }
     (*m).gathered += seen;
     (*m).single += seen * exp(-depth.x);
     (*m).sunlit += seen * exp(-depth.y);
@@ -419,17 +425,15 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.
 fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
-    var first = true;
+    if TRANSPORT >= SLAB_KOL {
+        let light = slab_radiance(ray.origin + surface.t * ray.direction, ray.direction);
+        (*m).multiple += (*m).gathered * exp(-surface.depth.y) * light;
+    }
     for (var i = 0u; i < LIGHT_NODES; i++) {
         let node = nodes[i];
         if node.seen > 0.0 {
             let p = ray.origin + node.t * ray.direction;
-            if TRANSPORT >= SLAB_KOL {
-                if first {
-                    (*m).multiple += (*m).gathered * exp(-node.depth.y) * slab_radiance(p, ray.direction);
-                }
-                first = false;
-            } else if TRANSPORT != SINGLE {
+            if TRANSPORT == DELTA_EDDINGTON || TRANSPORT == SLAB {
                 let own = max(node.depth.x - node.depth.y, 0.0);
                 (*m).multiple += node.seen * multiple_source(v, p, ray.direction, own, node.depth.y);
             }

@@ -17,7 +17,7 @@ use nephos::{
         slab::{Beam, Medium, SETS, Solver, moments},
     },
     render::{Frame, Quality, Renderer, SlabTable, Transport},
-    scene::{Preset, Scene, SunPosition},
+    scene::{Preset, Projection, Scene, SunPosition},
     tables,
 };
 
@@ -75,6 +75,50 @@ fn a_flat_cloud_is_a_slab() {
             );
         }
     }
+}
+
+#[test]
+fn kol_and_bouthors_see_a_flat_cloud_as_a_slab() {
+    let phase = Chopped::new(Phase::mie(6.0).unwrap());
+    let solver = Solver::new(Medium::chopped(&phase, 64));
+    let to_sun = at_angle(35.0, 180.0);
+    let to_eye = at_angle(30.0, 90.0);
+    let scene = flat_cloud(400.0, to_sun, to_eye);
+    let thickness = 200.0 * scene.clouds[0].droplets.extinction() * (1.0 - phase.f);
+    let field = solver.solve(Beam { thickness, mu0: to_sun.y }, 64);
+    let (level, share) = field.place(0.1 * thickness);
+    assert!(share < 1.0);
+    // Their point lies a tenth of the slab deep (3.4.5).
+    let exact: f64 =
+        (0..SETS).map(|set| field.radiance(set, -to_eye.y, &[90.0_f64.to_radians()])[0][level]).sum();
+    for transport in [Transport::SlabKol, Transport::SlabBouthors] {
+        for (table, bound) in [(SlabTable::Functions, 0.35), (SlabTable::Direct, 0.15)] {
+            let mut renderer = renderer(Quality::FINAL, transport);
+            renderer.slab_table = table;
+            let found = multiple_light(&mut renderer, &scene);
+            assert!((found / exact - 1.0).abs() < bound, "{transport:?} {table:?}: {found} for {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_slab_costs_at_most_half_more_than_single_scattering() {
+    // The middle of a picture of 960x540, in pixels of the same size.
+    let mut scene = Preset::Humilis.scene(1);
+    let mut camera = scene.camera();
+    if let Projection::Perspective { vertical_fov_deg } = &mut camera.projection {
+        *vertical_fov_deg /= 15.0;
+    }
+    scene.camera = Some(camera);
+    let work = |transport| {
+        let mut renderer = renderer(Quality::FINAL, transport);
+        renderer.counting = true;
+        draw(&mut renderer, &scene, SIZE, true);
+        let counts = renderer.counts(gpu()).unwrap();
+        (counts.noise_reads + counts.map_reads + counts.density_evaluations) as f64
+    };
+    let ratio = work(Transport::Slab) / work(Transport::Single);
+    assert!((1.0..1.5).contains(&ratio), "{ratio}");
 }
 
 #[test]

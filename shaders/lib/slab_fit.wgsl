@@ -19,16 +19,24 @@ struct SlabFit {
     reads: u32,
 }
 
+// Least cosine of the sun to a fitted slab's normal.
+const LOWEST_SUN: f32 = 0.2;
+
 // From a mean of the maps.
 fn slab_fit_of(box: LightBox, uv: vec2f, map: vec4f, lit: vec3f, turn: vec3f, reads: u32) -> SlabFit {
     let share = 1.0 / max(map.w, 1e-3);
-    let normal = normalize(share * lit + turn - 1e-3 * box.along);
+    let to_sun = -box.along;
+    let mean = normalize(share * lit + turn + 1e-3 * to_sun);
+    // A slab that turns from the sun is tilted back: no lit surface of a cloud is that steep.
+    let across = mean - dot(mean, to_sun) * to_sun;
+    let mu0 = clamp(dot(mean, to_sun), LOWEST_SUN, 1.0);
+    let normal = mu0 * to_sun + sqrt(1.0 - mu0 * mu0) * across / max(length(across), 1e-6);
     let middle = light_box_point(box, vec3f(uv, share * map.x));
-    let mu0 = clamp(-dot(normal, box.along), 0.2, 1.0);
     return SlabFit(normal, mu0, share * map.z, middle, share * max(map.y - map.x, 0.0) * box.length, map.w, reads);
 }
 
-// Ours: averaged over `length` metres around `uv`. `turn` is where the lump at hand faces.
+// Ours: from the mip whose texels are as wide as `length`, m, around `uv`; its filter averages
+// over about half of that either way. `turn` is where the lump at hand faces.
 fn slab_fit(box: LightBox, depths: texture_2d<f32>, normals: texture_2d<f32>, linear: sampler, uv: vec2f,
     length: f32, turn: vec3f) -> SlabFit {
     let level = log2(max(length / box.texel, 1.0));
@@ -62,10 +70,11 @@ fn slab_fit_gaussian(box: LightBox, depths: texture_2d<f32>, normals: texture_2d
 
 // View of a point in Kol's and Bouthors' slabs [K 3.55-3.58], which are as thick as the cloud
 // is wide along the light: the depth is that below the lit face, and never less than a tenth
-// of the thickness (3.4.5).
+// of the thickness (3.4.5). Where the point lies deeper than the slab is thick, the slab is
+// made to hold it, by the same tenth: there is cloud behind the point.
 fn slab_fit_view(fit: SlabFit, p: vec3f, to_eye: vec3f, to_sun: vec3f, mean_free_path: f32) -> SlabView {
-    let thickness = fit.mu0 * fit.length / mean_free_path;
     let depth = dot(fit.middle - p, fit.normal) / mean_free_path;
+    let thickness = max(fit.mu0 * fit.length / mean_free_path, depth / 0.9);
     return slab_view(thickness, max(depth, 0.1 * thickness), fit.normal, to_eye, to_sun);
 }
 

@@ -16,6 +16,7 @@ use crate::{
     reference::PathTracer,
     render::{Counts, Frame, Quality, Renderer, SlabTable, Target, Transport},
     scene::Scene,
+    tables,
 };
 
 /// Render a scene file to a picture.
@@ -38,7 +39,7 @@ pub struct Render {
     /// How light inside clouds is found.
     #[arg(long, value_enum, default_value_t = TransportName::Slab)]
     transport: TransportName,
-    /// Where slab-kol and slab-bouthors take their light from.
+    /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
     #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
     slab_table: SlabTableName,
     /// Samples of each pixel, for `--transport path`; each carries one channel.
@@ -124,6 +125,8 @@ impl Render {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
+        // A damaged table is told before anything is drawn.
+        tables::slab_moments()?;
         let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         let n = self.rays_across();
         let frame = Frame::new(&scene, [n * self.width, n * self.height])?;

@@ -46,8 +46,15 @@ pub(crate) struct CloudOptics {
 /// Texels of the remainder along the scattering angle and along the optical depth.
 const REMAINDER: [usize; 2] = [256, 48];
 
-/// Moments of the phase function that the remainder is made of.
-const DEGREE: usize = 64;
+/// How many moments of a phase function the remainder is made of: droplets without their peak
+/// have none to speak of after 64, and Henyey-Greenstein's are powers of g.
+fn degree(phase: &Phase) -> usize {
+    match phase {
+        Phase::HenyeyGreenstein { g } => (1e-3_f64.ln() / g.abs().max(0.1).ln()).clamp(8.0, 400.0) as usize,
+        Phase::Isotropic => 8,
+        Phase::Tabulated(_) => 64,
+    }
+}
 
 /// Legendre moments, degree 1 to 3, of the medium that the slab table is made of: green light
 /// in droplets of 6 um without their peak.
@@ -83,7 +90,8 @@ impl CloudOptics {
             };
             (0..ANGLES).map(texel).collect()
         };
-        let media = [0, 1, 2].map(|channel| Medium::new(|theta| chopped.wide(channel, theta), DEGREE));
+        let degree = degree(chopped.phase());
+        let media = [0, 1, 2].map(|channel| Medium::new(|theta| chopped.wide(channel, theta), degree));
         let g = chopped.asymmetry[1];
         let over_table = |l: usize| (media[1].chi[l] / TABLE_MOMENTS[l - 1]) as f32;
         Ok(Self {
@@ -156,4 +164,16 @@ fn upload(
         texture.size(),
     );
     texture.create_view(&Default::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_over_the_tables_are_those_of_its_own_medium() {
+        let optics = CloudOptics::new(&Droplets::default()).unwrap();
+        assert!(optics.degrees.iter().all(|ratio| (ratio - 1.0).abs() < 1e-5), "{:?}", optics.degrees);
+        assert!((optics.similarity - 1.0).abs() < 1e-4, "{}", optics.similarity);
+    }
 }

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::{Grid, Grids};
-use crate::optics::slab::{collector::Collector, direct::Direct, functions::Functions};
+use crate::optics::slab::{collector::Collector, direct::Direct, functions::Functions, moments};
 use crate::{Error, Result};
 
 /// Names of the files in `tables/`.
@@ -21,7 +21,7 @@ type Decoded<T> = OnceLock<std::result::Result<T, String>>;
 pub fn slab_moments() -> Result<&'static Grid> {
     static DECODED: Decoded<Grid> = OnceLock::new();
     let bytes = include_bytes!("../../tables/slab_moments.bin");
-    once(&DECODED, MOMENTS, bytes, |grids| grids.0.first().cloned())
+    once(&DECODED, MOMENTS, bytes, moments::of)
 }
 
 /// The direct table of C.

@@ -13,7 +13,7 @@
 use std::f64::consts::PI;
 
 use super::{Beam, FIRST_ORDERS, Field, Medium, SETS, angles::legendre_functions, axes};
-use crate::tables::{Axis, Grid};
+use crate::tables::{Axis, Grid, Grids};
 
 /// Numbers of a set at a point.
 pub const COEFFICIENTS: usize = 8;
@@ -162,7 +162,19 @@ pub fn table(columns: &[Vec<[f64; COEFFICIENTS]>]) -> Grid {
             }
         }
     }
-    Grid::new("source moments", axes, 4, values)
+    Grid::new(NAME, axes, 4, values)
+}
+
+/// Name of the table.
+const NAME: &str = "source moments";
+
+/// The table among those of a file; `None` where it is missing or has other axes than those here.
+pub fn of(grids: &Grids) -> Option<Grid> {
+    let lengths = [SETS, 2, axes::THICKNESSES, axes::DEPTHS, axes::SUNS];
+    let fits = |grid: &&Grid| {
+        grid.channels == 4 && grid.axes.iter().map(|axis| axis.values.len()).eq(lengths.into_iter())
+    };
+    grids.named(NAME).filter(fits).cloned()
 }
 
 /// Source of a set from the table, 1/sr, without the [`remainder`]: in a slab of optical

@@ -9,7 +9,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::{samples, walks};
+use super::{axes, moments, samples, walks};
 use crate::tables::checksum;
 use crate::{Error, Result};
 
@@ -76,7 +76,17 @@ impl Partial {
 
 /// What tells studies apart: the seed and the sizes of their slabs.
 fn head(seed: u64) -> Vec<u8> {
-    let sizes = [samples::SLABS, samples::NUMBERS, walks::THICKNESSES, walks::SUNS, walks::PHOTONS];
+    let sizes = [
+        samples::SLABS,
+        samples::NUMBERS,
+        walks::THICKNESSES,
+        walks::SUNS,
+        walks::PHOTONS,
+        axes::THICKNESSES,
+        axes::DEPTHS,
+        axes::SUNS,
+        moments::COEFFICIENTS,
+    ];
     let mut head = MAGIC.to_vec();
     head.extend(seed.to_le_bytes());
     head.extend(sizes.iter().flat_map(|size| (*size as u64).to_le_bytes()));
