@@ -496,6 +496,15 @@ fn keys_work_and_letters_in_a_text_field_are_text() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Kol);
     let mut window = open(folder.path(), Some(&path));
+    let selected =
+        |window: &mut Window<'_>| window.state_mut().editor().document().selection().ellipsoids.len();
+    press(&mut window, Modifiers::NONE, Key::A);
+    assert_eq!(selected(&mut window), 8);
+    press(&mut window, Modifiers::ALT, Key::A);
+    assert_eq!(selected(&mut window), 0);
+    click(&mut window, "ellipsoid 2");
+    press(&mut window, Modifiers::COMMAND, Key::I);
+    assert_eq!(selected(&mut window), 7);
     click(&mut window, "ellipsoid 2");
     press(&mut window, Modifiers::NONE, Key::H);
     assert!(window.state().scene().clouds[0].ellipsoids[1].hidden);

@@ -52,6 +52,12 @@ pub enum Action {
     ShowAll,
     /// Locks what is selected, or unlocks it.
     Lock,
+    /// Selects all that can be seen and is not locked.
+    SelectAll,
+    /// Selects nothing.
+    SelectNone,
+    /// Selects what is not selected.
+    SelectOthers,
     /// Adds an ellipsoid.
     AddEllipsoid,
     /// Adds an empty cloud.
@@ -200,6 +206,9 @@ fn edit() -> Vec<Entry> {
         own("Edit", Hide, "Hide", &[(PLAIN, Key::H)], "Leaves what is selected out of all pictures."),
         own("Edit", ShowAll, "Show all", &[(ALT, Key::H)], "Shows everything that was hidden."),
         own("Edit", Lock, "Lock or unlock", &[(PLAIN, Key::L)], "Keeps what is selected from being changed in the view, or lets it."),
+        own("Select", SelectAll, "Select all", &[(PLAIN, Key::A), (CTRL, Key::A)], "Selects every ellipsoid that is seen and not locked."),
+        own("Select", SelectNone, "Select nothing", &[(ALT, Key::A)], "Lets go of everything."),
+        own("Select", SelectOthers, "Select the others", &[(CTRL, Key::I)], "Selects what is not selected, and lets go of what is."),
         own("Add", AddEllipsoid, "Add ellipsoid", &[(SHIFT, Key::A)], "Adds an ellipsoid like the active one beside it, in its cloud."),
         own("Add", AddCloud, "Add cloud", &[(CTRL_SHIFT, Key::A)], "Adds an empty cloud; the next ellipsoids go into it."),
     ]
@@ -215,9 +224,9 @@ fn window() -> Vec<Entry> {
         own("Window", ObjectPanel, "Object", &[(PLAIN, Key::F7)], "Shows what is selected in the inspector."),
         own("Window", WorldPanel, "World", &[(PLAIN, Key::F8)], "Shows sun, sky, camera, noise and the rest in the inspector."),
         own("Window", ViewPanel, "View", &[(PLAIN, Key::F9)], "Shows layers, overlays, pace and statistics in the inspector."),
-        own("Window", Look(self::Look::Dark), "Dark", &[], "Light text on dark ground: clouds are judged best in it."),
-        own("Window", Look(self::Look::Light), "Light", &[], "Dark text on light ground."),
-        own("Window", Look(self::Look::System), "As the system", &[], "Dark or light, as the system has it."),
+        own("Window", Look(self::Look::Dark), "Dark theme", &[], "Light text on dark ground: clouds are judged best in it."),
+        own("Window", Look(self::Look::Light), "Light theme", &[], "Dark text on light ground."),
+        own("Window", Look(self::Look::System), "Theme of the system", &[], "Dark or light, as the system has it."),
         own("Window", Larger, "Larger", &[(CTRL, Key::Plus), (CTRL, Key::Equals)], "Makes text and everything else larger."),
         own("Window", Smaller, "Smaller", &[(CTRL, Key::Minus)], "Makes text and everything else smaller."),
         own("Window", ActualSize, "Actual size", &[(CTRL_SHIFT, Key::Num0)], "Makes everything as large as the system has it."),

@@ -171,9 +171,7 @@ impl Editor {
         let ctx = ui.ctx().clone();
         self.take_in(&ctx);
         Panel::top("menu").frame(bar(&ctx)).show_separator_line(true).show(ui, |ui| self.menu(ui));
-        if !self.notices.is_empty() {
-            Panel::top("notices").frame(bar(&ctx)).show(ui, |ui| self.notices.ui(ui));
-        }
+        self.notices.show(&ctx);
         Panel::bottom("status").frame(bar(&ctx)).show(ui, |ui| self.status(ui));
         self.panels(ui);
         CentralPanel::default()

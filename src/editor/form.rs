@@ -274,8 +274,16 @@ fn number<'a>(value: &'a mut f64, about: &Word) -> DragValue<'a> {
     DragValue::new(value)
         .range(about.min..=about.max)
         .suffix(about.unit)
+        .custom_parser(|text| read_number(text, about.unit))
         .max_decimals(3)
         .update_while_editing(false)
+}
+
+/// A number as people type it: with its unit or without, with a comma for the point.
+fn read_number(text: &str, unit: &str) -> Option<f64> {
+    let text = text.trim();
+    let bare = text.strip_suffix(unit.trim()).unwrap_or(text).trim().replace('\u{2212}', "-");
+    bare.parse().ok().or_else(|| bare.replacen(',', ".", 1).parse().ok()).filter(|x: &f64| x.is_finite())
 }
 
 /// A slider over what is usual, and the number beside it.
@@ -349,4 +357,20 @@ fn explained(about: &Word, default: &str) -> String {
 
 fn told(value: impl Numeric + std::fmt::Display, unit: &str) -> String {
     format!("{value}{unit}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read_number;
+
+    #[test]
+    fn numbers_are_read_as_people_type_them() {
+        for text in ["1150", " 1150 m", "1150m", "1.15e3", "1150,0", "1150.0 m "] {
+            assert_eq!(read_number(text, " m"), Some(1150.0), "{text}");
+        }
+        assert_eq!(read_number("\u{2212}2", ""), Some(-2.0));
+        for text in ["", "m", "1,150,0", "fifty", "inf"] {
+            assert_eq!(read_number(text, " m"), None, "{text}");
+        }
+    }
 }

@@ -156,7 +156,7 @@ impl Editor {
         ui.horizontal(|ui| {
             ui.weak(self.selected());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.weak(if self.document.is_dirty() { "not saved yet" } else { "" });
+                ui.weak(if self.document.is_dirty() { "changes not saved" } else { "" });
                 if let Some(job) = &self.job {
                     if ui.small_button("Cancel").clicked() {
                         job.cancel();

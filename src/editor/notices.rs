@@ -1,8 +1,10 @@
-//! What the editor has to tell: a bar under the menu, no console.
+//! What the editor has to tell: cards over the foot of the window, which move nothing.
 
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, Align, Frame, Layout, Margin, RichText, Stroke, Ui};
+use eframe::egui::{
+    self, Align, Align2, Area, Context, Frame, Id, Layout, Margin, Order, RichText, Stroke, Ui, vec2,
+};
 use egui_phosphor::regular as icon;
 
 /// How long good news stays.
@@ -44,8 +46,21 @@ impl Notices {
         self.0.iter().map(|notice| notice.text.as_str())
     }
 
-    /// Shows the bar where there is something to tell.
-    pub fn ui(&mut self, ui: &mut Ui) {
+    /// Shows what there is to tell.
+    pub fn show(&mut self, ctx: &Context) {
+        if self.0.is_empty() {
+            return;
+        }
+        Area::new(Id::new("notices"))
+            .order(Order::Foreground)
+            .anchor(Align2::CENTER_BOTTOM, vec2(0.0, -72.0))
+            .show(ctx, |ui| {
+                ui.set_width((ui.ctx().content_rect().width() - 40.0).clamp(200.0, 640.0));
+                self.ui(ui);
+            });
+    }
+
+    fn ui(&mut self, ui: &mut Ui) {
         self.0.retain(|notice| notice.problem || notice.since.elapsed() < NEWS);
         if self.0.iter().any(|notice| !notice.problem) {
             ui.ctx().request_repaint_after(NEWS);
@@ -79,10 +94,5 @@ impl Notices {
         if let Some(i) = dismissed {
             self.0.remove(i);
         }
-    }
-
-    /// Whether there is nothing to tell.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
     }
 }

@@ -3,6 +3,7 @@
 use eframe::egui::{Context, Key, KeyboardShortcut, Modifiers};
 use glam::DVec3;
 
+use super::selection::Selection;
 use super::{
     actions::{Action, entries},
     app::{Dialog, Editor, Tab},
@@ -83,6 +84,13 @@ impl Editor {
             Action::Hide => document.hide(),
             Action::ShowAll => document.show_all(),
             Action::Lock => document.lock(),
+            Action::SelectAll => document.select(Selection::all(document.scene())),
+            Action::SelectNone => document.select(Selection::default()),
+            Action::SelectOthers => {
+                let selected = document.selection().ellipsoids.clone();
+                let all = Selection::all(document.scene()).ellipsoids;
+                document.select(Selection::of(all.difference(&selected).copied()));
+            }
             Action::AddEllipsoid => self.add_ellipsoid(),
             Action::AddCloud => document.add_cloud(),
             Action::AddPreset(preset) => self.add_preset(preset),

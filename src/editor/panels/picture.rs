@@ -89,10 +89,15 @@ impl PicturePanel {
             if let Some(problem) = &problem {
                 ui.colored_label(ui.visuals().error_fg_color, problem.to_string());
             }
+            let replaces = problem.is_none() && Path::new(self.path.trim()).exists();
+            if replaces {
+                ui.colored_label(ui.visuals().warn_fg_color, "There is such a file: it will be replaced.");
+            }
             ui.add_space(10.0);
             ui.horizontal(|ui| {
+                let title = if replaces { "Render and replace" } else { "Render" };
                 let render =
-                    eframe::egui::Button::new(RichText::new(format!("{} Render", icon::IMAGE)).strong())
+                    eframe::egui::Button::new(RichText::new(format!("{} {title}", icon::IMAGE)).strong())
                         .fill(ui.visuals().selection.bg_fill);
                 if ui.add_enabled(problem.is_none(), render).clicked() {
                     answer = Answer::Chosen(PictureWish::Render);

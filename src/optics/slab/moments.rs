@@ -171,9 +171,8 @@ const NAME: &str = "source moments";
 /// The table among those of a file; `None` where it is missing or has other axes than those here.
 pub fn of(grids: &Grids) -> Option<Grid> {
     let lengths = [SETS, 2, axes::THICKNESSES, axes::DEPTHS, axes::SUNS];
-    let fits = |grid: &&Grid| {
-        grid.channels == 4 && grid.axes.iter().map(|axis| axis.values.len()).eq(lengths.into_iter())
-    };
+    let fits =
+        |grid: &&Grid| grid.channels == 4 && grid.axes.iter().map(|axis| axis.values.len()).eq(lengths);
     grids.named(NAME).filter(fits).cloned()
 }
 
