@@ -11,6 +11,7 @@ use common::{
 use glam::DVec3;
 use nephos::{
     export::Picture,
+    gpu::{half_texture, linear_clamp},
     optics::{
         peak::Chopped,
         phase::Phase,
@@ -134,28 +135,10 @@ fn the_shader_reads_the_table_as_the_reference_does() {
             }
         }
     }
-    let grid = tables::slab_moments().unwrap();
-    let size = |axis: usize| grid.axes[axis].values.len() as u32;
-    let texture = nephos::gpu::texture(
-        &gpu().device,
-        &nephos::gpu::TextureDesc {
-            label: "slab moments",
-            size: [size(4), size(3), size(2) * size(1) * size(0)],
-            mips: 1,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::empty(),
-        },
-    );
-    gpu().queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&grid.values),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(8 * size(4)),
-            rows_per_image: Some(size(3)),
-        },
-        texture.size(),
-    );
+    let size = |axis: usize| table.axes[axis].values.len() as u32;
+    let size = [size(4), size(3), size(2) * size(1) * size(0)];
+    let texels = bytemuck::cast_slice(&table.values);
+    let texture = half_texture(&gpu().device, &gpu().queue, "slab moments", size, texels);
     let found = evaluate_bound(
         "slab",
         "@group(0) @binding(2) var moments: texture_3d<f32>;
@@ -164,7 +147,7 @@ fn the_shader_reads_the_table_as_the_reference_does() {
         &inputs,
         &[
             wgpu::BindingResource::TextureView(&texture.create_view(&Default::default())),
-            wgpu::BindingResource::Sampler(&nephos::gpu::linear_clamp(&gpu().device)),
+            wgpu::BindingResource::Sampler(&linear_clamp(&gpu().device)),
         ],
     );
     for (input, found) in inputs.iter().zip(&found) {

@@ -74,22 +74,8 @@ impl Picture {
     /// An `Rgba16Float` texture with these pixels, to be composed.
     pub fn upload(&self, gpu: &Gpu) -> wgpu::Texture {
         let size = [self.width as u32, self.height as u32, 0];
-        let desc = gpu::TextureDesc {
-            label: "picture",
-            size,
-            mips: 1,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::empty(),
-        };
-        let texture = gpu::texture(&gpu.device, &desc);
         let halves: Vec<[f16; 4]> =
             self.pixels.iter().map(|pixel| pixel.map(|c| f16::from_f32(c.min(65504.0)))).collect();
-        gpu.queue.write_texture(
-            texture.as_image_copy(),
-            bytemuck::cast_slice(&halves),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size[0]), rows_per_image: None },
-            texture.size(),
-        );
-        texture
+        gpu::half_texture(&gpu.device, &gpu.queue, "picture", size, &halves)
     }
 }

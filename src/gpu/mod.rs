@@ -13,6 +13,8 @@ pub use readback::{read_buffer, read_texture};
 #[cfg(test)]
 pub(crate) use shader::entry_point;
 pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
-pub(crate) use shader::{bind_group, screen_pipeline, shader_module};
-pub use texture::{TextureDesc, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer};
+pub(crate) use shader::{bind_group, draw_screen, screen_pipeline, shader_module};
+pub use texture::{
+    TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
+};
 pub use timing::{PassTime, Timing};

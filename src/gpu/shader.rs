@@ -195,3 +195,25 @@ pub(crate) fn screen_pipeline(
         cache: None,
     })
 }
+
+/// Records the pass of such a pipeline over all of `target`, which it clears first.
+pub(crate) fn draw_screen(
+    encoder: &mut wgpu::CommandEncoder,
+    name: &str,
+    pipeline: &wgpu::RenderPipeline,
+    group: &wgpu::BindGroup,
+    target: &wgpu::TextureView,
+) {
+    let ops =
+        wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    let attachment =
+        wgpu::RenderPassColorAttachment { view: target, depth_slice: None, resolve_target: None, ops };
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(name),
+        color_attachments: &[Some(attachment)],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[]);
+    pass.draw(0..3, 0..1);
+}

@@ -1,5 +1,6 @@
 //! Textures, samplers and buffers in the few shapes that the passes use.
 
+use half::f16;
 use wgpu::util::DeviceExt;
 
 /// What a texture is made for.
@@ -36,6 +37,26 @@ pub fn texture(device: &wgpu::Device, desc: &TextureDesc<'_>) -> wgpu::Texture {
             | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     })
+}
+
+/// An `Rgba16Float` texture with these texels, x fastest, then y, then z; `size` as in
+/// [`TextureDesc`]. There must be as many texels as the size takes.
+pub fn half_texture(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    label: &str,
+    size: [u32; 3],
+    texels: &[[f16; 4]],
+) -> wgpu::Texture {
+    let (format, usage) = (wgpu::TextureFormat::Rgba16Float, wgpu::TextureUsages::empty());
+    let texture = texture(device, &TextureDesc { label, size, mips: 1, format, usage });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(size[0] * size_of::<[f16; 4]>() as u32),
+        rows_per_image: Some(size[1]),
+    };
+    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, texture.size());
+    texture
 }
 
 /// Trilinear sampler that repeats, for the noise volume.

@@ -3,8 +3,10 @@
 //! [`water`] gives the refractive index, [`mie`] scatters light at one sphere,
 //! [`droplets`] averages that over a size distribution, [`phase`] offers the
 //! result (and the textbook alternatives) as phase functions, and [`peak`]
-//! takes the forward peak off them. [`table`] runs the first three for all
-//! droplet sizes and writes what [`crate::tables`] reads.
+//! takes the forward peak off them. [`slab`] follows light through plane-parallel
+//! clouds, order of scattering by order. [`table`] runs the first three for all
+//! droplet sizes and writes what [`crate::tables`] reads, [`slab::study`] does the
+//! same for slabs.
 //!
 //! Conventions: the scattering angle `theta` is in radians between the
 //! directions of propagation before and after scattering, 0 straight on. Phase

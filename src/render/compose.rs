@@ -54,21 +54,6 @@ impl Compose {
         let resources =
             [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];
         let group = gpu::bind_group(device, "compose", &layout, &resources);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("compose"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        gpu::draw_screen(encoder, "compose", &self.pipeline, &group, target);
     }
 }

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use half::f16;
 
 use crate::{
-    Result,
+    Result, gpu,
     optics::{
         peak::Chopped,
         phase::{Phase, angle_at},
-        slab::{Medium, moments},
+        slab::{Medium, angles::legendre_series, moments},
     },
     scene::Droplets,
 };
@@ -106,9 +106,13 @@ impl CloudOptics {
     }
 
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> OpticsTextures {
+        let upload = |label, width: usize, texels: &[[f16; 4]]| {
+            let size = [width as u32, (texels.len() / width) as u32, 0];
+            gpu::half_texture(device, queue, label, size, texels).create_view(&Default::default())
+        };
         OpticsTextures {
-            phase: upload(device, queue, "phase table", &self.table, ANGLES),
-            remainder: upload(device, queue, "slab remainder", &self.remainder, REMAINDER[0]),
+            phase: upload("phase table", ANGLES, &self.table),
+            remainder: upload("slab remainder", REMAINDER[0], &self.remainder),
         }
     }
 }
@@ -130,40 +134,10 @@ fn remainder(media: &[Medium; 3]) -> Vec<[f16; 4]> {
         let path = 4.0 * coordinate / (1.0 - coordinate);
         let terms = media.each_ref().map(|medium| moments::remainder_moments(medium, path));
         texels.extend(cosine.iter().map(|cosine| {
-            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(moments::series(&terms[channel], *cosine)))
+            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(legendre_series(&terms[channel], *cosine)))
         }));
     }
     texels
-}
-
-fn upload(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    label: &str,
-    texels: &[[f16; 4]],
-    width: usize,
-) -> wgpu::TextureView {
-    let texture = crate::gpu::texture(
-        device,
-        &crate::gpu::TextureDesc {
-            label,
-            size: [width as u32, (texels.len() / width) as u32, 0],
-            mips: 1,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::empty(),
-        },
-    );
-    queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(texels),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(8 * width as u32),
-            rows_per_image: None,
-        },
-        texture.size(),
-    );
-    texture.create_view(&Default::default())
 }
 
 #[cfg(test)]

@@ -23,7 +23,8 @@ use crate::{
 
 pub use pieces::Pieces;
 
-/// How light inside a cloud is found.
+/// How light inside a cloud is found. The order is that of the constants in
+/// `shaders/clouds.wgsl`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Transport {

@@ -90,22 +90,7 @@ impl Resolve {
         let resources =
             [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];
         let group = gpu::bind_group(device, "resolve", &pipeline.get_bind_group_layout(0), &resources);
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("resolve"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        gpu::draw_screen(encoder, "resolve", pipeline, &group, target);
     }
 }
 

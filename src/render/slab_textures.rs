@@ -3,7 +3,7 @@
 use half::f16;
 
 use super::Transport;
-use crate::gpu::{self, TextureDesc};
+use crate::gpu;
 use crate::optics::slab::SETS;
 use crate::tables::{Grid, slab_functions, slab_moments, slab_radiance};
 
@@ -163,19 +163,5 @@ fn upload(
     size: [u32; 3],
     texels: &[[f16; 4]],
 ) -> wgpu::TextureView {
-    let desc = TextureDesc {
-        label,
-        size,
-        mips: 1,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::empty(),
-    };
-    let texture = gpu::texture(device, &desc);
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(8 * size[0]),
-        rows_per_image: Some(size[1]),
-    };
-    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, texture.size());
-    texture.create_view(&Default::default())
+    gpu::half_texture(device, queue, label, size, texels).create_view(&Default::default())
 }

@@ -42,6 +42,21 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     (value, n as f64 * (before - x * value) / (1.0 - x * x))
 }
 
+/// The Legendre polynomials P_0, P_1, ... at `x` from -1 to 1, without end.
+pub fn legendre_polynomials(x: f64) -> impl Iterator<Item = f64> {
+    let (mut before, mut value) = (0.0, 1.0);
+    (0_u32..).map(move |l| {
+        let (now, l) = (value, f64::from(l));
+        (before, value) = (now, ((2.0 * l + 1.0) * x * now - l * before) / (l + 1.0));
+        now
+    })
+}
+
+/// Sum over l of `terms[l] P_l(x)`, `x` from -1 to 1.
+pub fn legendre_series(terms: &[f64], x: f64) -> f64 {
+    terms.iter().zip(legendre_polynomials(x)).map(|(term, value)| term * value).sum()
+}
+
 /// Normalised Legendre functions sqrt((l-m)!/(l+m)!) P_l^m(mu) for l from `m` to `degree`,
 /// without the sign (-1)^m: the functions in which the addition theorem reads
 /// P_l(cos Theta) = sum_m (2 - delta_m0) L_l^m(mu) L_l^m(mu') cos m(phi - phi').

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::angles::Quadrature;
+use super::angles::{Quadrature, legendre_polynomials, legendre_series};
 use crate::optics::peak::Chopped;
 
 /// A conservative medium, known by its phase function.
@@ -23,11 +23,8 @@ impl Medium {
         for (x, weight) in rule.mu.iter().zip(&rule.weight) {
             let theta = PI * x * x;
             let share = weight * 2.0 * PI * x * phase(theta) * 2.0 * PI * theta.sin();
-            let (mut before, mut value) = (0.0, 1.0);
-            for (l, moment) in chi.iter_mut().enumerate() {
+            for (moment, value) in chi.iter_mut().zip(legendre_polynomials(theta.cos())) {
                 *moment += share * value;
-                let l = l as f64;
-                (before, value) = (value, ((2.0 * l + 1.0) * theta.cos() * value - l * before) / (l + 1.0));
             }
         }
         let whole = chi[0];
@@ -51,13 +48,9 @@ impl Medium {
 
     /// Its phase function, 1/sr, at the cosine of a scattering angle, as far as the moments tell.
     pub fn phase(&self, cosine: f64) -> f64 {
-        let (mut before, mut value, mut sum) = (0.0, 1.0, 0.0);
-        for (l, chi) in self.chi.iter().enumerate() {
-            let l = l as f64;
-            sum += (2.0 * l + 1.0) / (4.0 * PI) * chi * value;
-            (before, value) = (value, ((2.0 * l + 1.0) * cosine * value - l * before) / (l + 1.0));
-        }
-        sum
+        let term = |(l, chi): (usize, &f64)| (2.0 * l as f64 + 1.0) / (4.0 * PI) * chi;
+        let terms: Vec<f64> = self.chi.iter().enumerate().map(term).collect();
+        legendre_series(&terms, cosine)
     }
 }
 

@@ -3,16 +3,16 @@
 //!
 //! The source of a set is a sum of eight spherical harmonics of the direction
 //! ([`harmonics`]): all to degree 2, and those of degree 3 that vary slowest around the
-//! normal. What finer structure there is comes from
-//! light that has kept its direction but for small angles. In that limit the light of order n
-//! has Legendre moments e^-s (chi_l s)^n / n! about the sun's direction, at optical depth s
-//! along it, and all orders together leave the [`remainder`], which depends on s and the
-//! scattering angle alone. The numbers of degree 3 are therefore kept as what they are beyond
-//! that limit.
+//! normal. What finer structure there is comes from light that has kept its direction but
+//! for small angles. In that limit the light of order n has Legendre moments
+//! e^-s (chi_l s)^n / n! about the sun's direction, at optical depth s along it, and all
+//! orders together leave the [`remainder`], which depends on s and the scattering angle
+//! alone. The numbers of degree 3 are therefore kept as what they are beyond that limit.
 
 use std::f64::consts::PI;
 
-use super::{Beam, FIRST_ORDERS, Field, Medium, SETS, angles::legendre_functions, axes};
+use super::angles::{legendre_functions, legendre_series};
+use super::{Beam, FIRST_ORDERS, Field, Medium, SETS, axes};
 use crate::tables::{Axis, Grid, Grids};
 
 /// Numbers of a set at a point.
@@ -89,27 +89,16 @@ fn small_angle(chi: f64, path: f64, set: usize) -> f64 {
 /// of small angles, 1/sr: at optical depth `path` along the sun's direction, towards the
 /// scattering angle of cosine `cosine`.
 pub fn remainder(medium: &Medium, path: f64, cosine: f64) -> f64 {
-    series(&remainder_moments(medium, path), cosine)
+    legendre_series(&remainder_moments(medium, path), cosine)
 }
 
-/// The terms of [`remainder`] by degree: to be summed by [`series`].
+/// The terms of [`remainder`] by degree: to be summed by [`legendre_series`].
 pub fn remainder_moments(medium: &Medium, path: f64) -> Vec<f64> {
     let term = |(l, chi): (usize, &f64)| {
         let kept = (-path * (1.0 - chi)).exp() * -(-path * chi).exp_m1();
         if l < REMAINDER_DEGREE { 0.0 } else { (2.0 * l as f64 + 1.0) / (4.0 * PI) * chi * kept }
     };
     medium.chi.iter().enumerate().map(term).collect()
-}
-
-/// Sum over l of `terms[l] P_l(cosine)`.
-pub fn series(terms: &[f64], cosine: f64) -> f64 {
-    let (mut before, mut value, mut sum) = (0.0, 1.0, 0.0);
-    for (l, term) in terms.iter().enumerate() {
-        sum += term * value;
-        let l = l as f64;
-        (before, value) = (value, ((2.0 * l + 1.0) * cosine * value - l * before) / (l + 1.0));
-    }
-    sum
 }
 
 /// The slab and the sun of a column of the table.
