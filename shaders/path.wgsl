@@ -1,8 +1,15 @@
 // Truth: unbiased light transport by Monte Carlo over the very density that the clouds
 // are drawn with. Null-collision (delta) tracking with a majorant for each cell of a
 // grid, next-event estimation to the sun's disc through ratio tracking, Mie scattering
-// sampled from its table, Russian roulette late. One thread a pixel; its path is kept
-// between dispatches, so that each does a bounded amount of work.
+// sampled from its table, Russian roulette late. Some threads a pixel, each with samples of its
+// own; their paths are kept between dispatches, so that each does a bounded amount of work.
+//
+// Mie scattering has a peak some thousand times as high as its flank, so that a path which
+// happens to turn towards the sun sees a thousand times the light of its neighbours. A share
+// of directions is therefore drawn around the sun instead of around the path, and the two
+// ways are weighted by what both together would have chosen (one-sample balance heuristic).
+// Paths carry red, green and blue: one of them chooses the directions, and the choices that
+// the others would have made weigh in the same way (Wilkie et al. 2014).
 // @use atmosphere camera density noise path_random
 
 struct Scene {
@@ -33,7 +40,7 @@ struct Cell {
     padding: u32,
 }
 
-// A path under way. Each carries one channel.
+// A path under way.
 struct Path {
     position: vec3f,
     random: u32,
@@ -41,26 +48,26 @@ struct Path {
     mode: u32,
     // Towards a point of the sun's disc.
     to_light: vec3f,
-    // Phase function times irradiance, for when the sun is reached.
-    light: f32,
-    throughput: f32,
     // Transmittance towards the sun so far.
     shadow: f32,
-    // Light of this sample so far.
-    gathered: f32,
+    // Phase function times irradiance, for when the sun is reached.
+    light: vec3f,
     sample: u32,
+    // What the path has scattered, over the density with which its channel chose it.
+    throughput: vec3f,
     collisions: u32,
+    // Densities with which each channel would have chosen it, over that of its channel.
+    choice: vec3f,
     medium: u32,
+    // Light of this sample so far.
+    gathered: vec3f,
+    padding: u32,
     // Where the shadow ray began.
-    origin_x: f32,
-    origin_y: f32,
-    origin_z: f32,
-    padding_x: u32,
+    origin: vec3f,
     padding_y: u32,
-    padding_z: u32,
 }
 
-// Welford's running mean and sum of squared differences for each channel.
+// Welford's running mean and sum of squared differences.
 struct Sum {
     mean: vec3f,
     alpha: f32,
@@ -76,9 +83,16 @@ const DONE: u32 = 3u;
 // Steps of one thread in one dispatch.
 override BUDGET: u32 = 1024u;
 override ATMOSPHERE: bool = true;
+// Threads of one pixel: thread i has samples i, i + LANES, ...
+override LANES: u32 = 1u;
 // Collisions before Russian roulette, and the chance to survive each one after them.
 override ROULETTE_AFTER: u32 = 256u;
 override SURVIVAL: f32 = 0.95;
+// Share of directions that are drawn around the sun, at the first collisions; later ones
+// have less of it, so that what all of them take from a path stays bounded.
+override TO_SUN: f32 = 0.05;
+// Paths that carry less than this are ended by chance.
+override FAINT: f32 = 0.05;
 
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> camera: Camera;
@@ -108,9 +122,9 @@ fn draw() -> f32 {
     return x;
 }
 
-// One of three numbers.
-fn of_channel(v: vec3f, channel: u32) -> f32 {
-    return select(select(v.z, v.y, channel == 1u), v.x, channel == 0u);
+// The channel that chooses the directions of a path.
+fn channel_of(path: ptr<function, Path>) -> u32 {
+    return (*path).sample % 3u;
 }
 
 // A medium in `phase_tables`: its albedo, then for each channel the phase function over
@@ -124,15 +138,17 @@ fn table_at(base: u32, x: f32) -> f32 {
     return mix(phase_tables[base + i], phase_tables[base + i + 1u], place - f32(i));
 }
 
-// Phase function between two directions of propagation, 1/sr.
-fn phase(medium: u32, channel: u32, before: vec3f, after: vec3f) -> f32 {
+// Phase function between two directions of propagation, three channels, 1/sr.
+fn phase(medium: u32, before: vec3f, after: vec3f) -> vec3f {
     let forward = 2.0 * asin(min(0.5 * length(after - before), 1.0));
     let backward = 2.0 * asin(min(0.5 * length(after + before), 1.0));
     let half = sqrt(0.5 * min(forward, backward) / PI);
-    return table_at(MEDIUM * medium + 1u + channel * ANGLES, select(1.0 - half, half, forward < backward));
+    let x = select(1.0 - half, half, forward < backward);
+    let base = MEDIUM * medium + 1u;
+    return vec3f(table_at(base, x), table_at(base + ANGLES, x), table_at(base + 2u * ANGLES, x));
 }
 
-// A direction after scattering.
+// A direction after scattering, chosen by one channel.
 fn scattered(medium: u32, channel: u32, before: vec3f) -> vec3f {
     let angle = table_at(MEDIUM * medium + 1u + (3u + channel) * ANGLES, draw());
     return turned(before, angle, 6.2831853 * draw());
@@ -177,7 +193,7 @@ fn grid_span(origin: vec3f, direction: vec3f) -> vec2f {
     return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
-// One step of tracking: to a tentative collision, or into the next cell.
+// Tracking as far as the next tentative collision.
 struct Step {
     position: vec3f,
     // Whether the grid was left.
@@ -188,54 +204,69 @@ struct Step {
     majorant: f32,
 }
 
+// Cells that one step crosses at the most; the next one goes on from there.
+const CELLS: u32 = 24u;
+
+// Crosses cells until an optical depth of the majorant, drawn once, is used up; only there
+// the density is asked. (Stopping between cells and drawing anew changes nothing: what is
+// left of an exponential is distributed like a fresh one.)
 fn track(position: vec3f, direction: vec3f) -> Step {
-    let place = (position - scene.low) / scene.cell;
-    let index = vec3i(floor(place));
-    if any(index < vec3i(0)) || any(index >= vec3i(scene.size)) {
-        return Step(position, true, false, Point(0.0, 0u), 0.0);
+    var p = position;
+    var left = -log(1.0 - draw());
+    var outside = false;
+    var tentative = false;
+    var cell = Cell(0u, 0u, 0.0, 0u);
+    let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+    for (var i = 0u; i < CELLS; i++) {
+        let place = (p - scene.low) / scene.cell;
+        let index = vec3i(floor(place));
+        outside = any(index < vec3i(0)) || any(index >= vec3i(scene.size));
+        if outside {
+            break;
+        }
+        let c = vec3u(index);
+        cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
+        // Distance to the cell's walls, and a little beyond so that the next cell is another.
+        let wall = (vec3f(index) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0)) - place) * scene.cell;
+        let ways = abs(wall / steady);
+        let exit = min(ways.x, min(ways.y, ways.z)) + 1e-4 * scene.cell;
+        tentative = cell.majorant * exit > left;
+        if tentative {
+            p += left / cell.majorant * direction;
+            break;
+        }
+        p += exit * direction;
+        left -= cell.majorant * exit;
     }
-    let c = vec3u(index);
-    let cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
-    // Distance to the cell's walls, and a little beyond so that the next cell is another.
-    let wall = (vec3f(index) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0)) - place) * scene.cell;
-    let ways = abs(wall / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12)));
-    let exit = min(ways.x, min(ways.y, ways.z)) + 1e-4 * scene.cell;
-    if cell.majorant <= 0.0 {
-        return Step(position + exit * direction, false, false, Point(0.0, 0u), 0.0);
+    if !tentative {
+        return Step(p, outside, false, Point(0.0, 0u), 0.0);
     }
-    let free = -log(1.0 - draw()) / cell.majorant;
-    if free >= exit {
-        return Step(position + exit * direction, false, false, Point(0.0, 0u), 0.0);
-    }
-    let p = position + free * direction;
     return Step(p, false, true, point_at(p, cell), cell.majorant);
 }
 
-// Irradiance of the sun at a point, of one channel.
-fn sun_at(p: vec3f, channel: u32) -> f32 {
+// Irradiance of the sun at a point.
+fn sun_at(p: vec3f) -> vec3f {
     if !ATMOSPHERE {
-        return of_channel(scene.sun_irradiance, channel);
+        return scene.sun_irradiance;
     }
-    let air = sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
-    return of_channel(scene.sun_irradiance * air, channel);
+    return scene.sun_irradiance * sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
 }
 
-// Light of sky and ground from a direction, of one channel.
-fn sky_from(direction: vec3f, channel: u32) -> f32 {
+// Light of sky and ground from a direction.
+fn sky_from(direction: vec3f) -> vec3f {
     if !ATMOSPHERE {
-        return of_channel(sky.radiance, channel);
+        return sky.radiance;
     }
     let a = sky.atmosphere;
     let altitude = max(camera.altitude, 0.0);
     let ground = direction.y < horizon_mu(a, altitude);
     let sine = half_azimuth_sine(direction, scene.to_sun);
     let uv = sky_view_uv(a, vec2f(textureDimensions(sky_view)), altitude, direction.y, sine, ground);
-    let light = textureSampleLevel(sky_view, clamped, uv, 0.0).rgb / TABLE_SCALE;
-    return of_channel(sky.irradiance * light, channel);
+    return sky.irradiance * textureSampleLevel(sky_view, clamped, uv, 0.0).rgb / TABLE_SCALE;
 }
 
 fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
-    random_state = hash_random(index, (*path).sample, scene.seed);
+    random_state = hash_random(index / LANES, (*path).sample, scene.seed);
     let offset = vec2f(draw(), draw());
     let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
     let origin = scene.camera + ray.origin;
@@ -246,63 +277,101 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     if span.x >= span.y {
         (*path).position = scene.low - vec3f(scene.cell);
     }
-    (*path).throughput = 1.0;
-    (*path).gathered = 0.0;
+    (*path).throughput = vec3f(1.0);
+    (*path).choice = vec3f(1.0);
+    (*path).gathered = vec3f(0.0);
     (*path).collisions = 0u;
     (*path).mode = TRACK;
 }
 
 fn finish(path: ptr<function, Path>, index: u32) {
     let sample = (*path).sample;
-    let channel = sample % 3u;
     let hit = select(0.0, 1.0, (*path).collisions > 0u);
     var sum = sums[index];
-    let mine = vec3u(channel) == vec3u(0u, 1u, 2u);
-    let difference = select(vec3f(0.0), (*path).gathered - sum.mean, mine);
-    sum.mean += difference / f32(sample / 3u + 1u);
-    sum.squares += select(vec3f(0.0), difference * ((*path).gathered - sum.mean), mine);
-    sum.alpha += (hit - sum.alpha) / f32(sample + 1u);
+    let difference = (*path).gathered - sum.mean;
+    let n = f32(sample / LANES + 1u);
+    sum.mean += difference / n;
+    sum.squares += difference * ((*path).gathered - sum.mean);
+    sum.alpha += (hit - sum.alpha) / n;
     sums[index] = sum;
-    (*path).sample = sample + 1u;
-    (*path).mode = select(START, DONE, sample + 1u >= scene.samples);
+    (*path).sample = sample + LANES;
+    (*path).mode = select(START, DONE, sample + LANES >= scene.samples);
+}
+
+// What a path carries, its three ways to be chosen weighed together.
+fn carried(path: ptr<function, Path>) -> vec3f {
+    let choice = (*path).choice;
+    return 3.0 * (*path).throughput / (choice.x + choice.y + choice.z);
 }
 
 // A real collision: aim at the sun.
 fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
-    let channel = (*path).sample % 3u;
     (*path).position = p;
-    (*path).origin_x = p.x;
-    (*path).origin_y = p.y;
-    (*path).origin_z = p.z;
+    (*path).origin = p;
     (*path).medium = medium;
     (*path).collisions += 1u;
     (*path).throughput *= phase_tables[MEDIUM * medium];
     let angle = scene.sun_radius * sqrt(draw());
     (*path).to_light = turned(scene.to_sun, angle, 6.2831853 * draw());
-    (*path).light = phase(medium, channel, (*path).direction, (*path).to_light) * sun_at(p, channel);
+    (*path).light = phase(medium, (*path).direction, (*path).to_light) * sun_at(p);
     (*path).shadow = 1.0;
     (*path).mode = SHADOW;
 }
 
+// Share of directions drawn around the sun at a collision: half where droplets scatter the
+// path into the sun's disc by their peak, else what is left of it after earlier collisions.
+fn share_to_sun(path: ptr<function, Path>) -> f32 {
+    let share = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
+    return select(share, 0.5, near_sun(path));
+}
+
+// Chooses where to go on from a collision: around the path or around the sun.
+fn choose_direction(path: ptr<function, Path>) {
+    let channel = channel_of(path);
+    let medium = (*path).medium;
+    let before = (*path).direction;
+    let share = share_to_sun(path);
+    let around = select(before, scene.to_sun, draw() < share);
+    let after = scattered(medium, channel, around);
+    let scattering = phase(medium, before, after);
+    let chances = (1.0 - share) * scattering + share * phase(medium, scene.to_sun, after);
+    let chance = chances[channel];
+    (*path).direction = after;
+    (*path).throughput *= scattering / chance;
+    (*path).choice *= chances / chance;
+}
+
+// Russian roulette: on paths that carry little, and on all that are long.
+fn roulette(path: ptr<function, Path>) {
+    let light = carried(path);
+    let most = max(light.x, max(light.y, light.z));
+    let late = select(1.0, SURVIVAL, (*path).collisions >= ROULETTE_AFTER);
+    let survival = select(late, min(late, 0.25), most < FAINT && !near_sun(path));
+    if draw() >= survival {
+        (*path).throughput = vec3f(0.0);
+    }
+    (*path).throughput /= survival;
+}
+
+// Whether the path goes to where droplets scatter it into the sun's disc by their peak.
+fn near_sun(path: ptr<function, Path>) -> bool {
+    return dot((*path).direction, scene.to_sun) > NEAR_SUN;
+}
+// Cosine of 8 degrees.
+const NEAR_SUN: f32 = 0.99;
+
 // The sun was reached or is hidden: go on where the collision was.
 fn scatter(path: ptr<function, Path>, index: u32) {
-    let channel = (*path).sample % 3u;
-    (*path).position = vec3f((*path).origin_x, (*path).origin_y, (*path).origin_z);
-    (*path).direction = scattered((*path).medium, channel, (*path).direction);
+    (*path).position = (*path).origin;
     (*path).mode = TRACK;
-    if (*path).collisions >= ROULETTE_AFTER {
-        if draw() >= SURVIVAL {
-            (*path).throughput = 0.0;
-        }
-        (*path).throughput /= SURVIVAL;
-    }
-    if (*path).throughput <= 0.0 {
+    choose_direction(path);
+    roulette(path);
+    if all((*path).throughput <= vec3f(0.0)) {
         finish(path, index);
     }
 }
 
 fn advance(path: ptr<function, Path>, index: u32) {
-    let channel = (*path).sample % 3u;
     let is_shadow = (*path).mode == SHADOW;
     let direction = select((*path).direction, (*path).to_light, is_shadow);
     let step = track((*path).position, direction);
@@ -317,12 +386,12 @@ fn advance(path: ptr<function, Path>, index: u32) {
             (*path).shadow *= 2.0;
         }
         if step.outside || hidden {
-            (*path).gathered += select((*path).throughput * (*path).light * (*path).shadow, 0.0, hidden);
+            (*path).gathered += select(carried(path) * (*path).light * (*path).shadow, vec3f(0.0), hidden);
             scatter(path, index);
         }
     } else if step.outside {
         if (*path).collisions > 0u {
-            (*path).gathered += (*path).throughput * sky_from((*path).direction, channel);
+            (*path).gathered += carried(path) * sky_from((*path).direction);
         }
         finish(path, index);
     } else if step.tentative && draw() < share {
@@ -331,10 +400,12 @@ fn advance(path: ptr<function, Path>, index: u32) {
 }
 
 @compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3u) {
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let width = u32(camera.size.x);
-    let index = id.x;
-    if index >= width * u32(camera.size.y) {
+    // Threads in rows of workgroups, since one row has a limit.
+    let index = id.x + id.y * 64u * groups.x;
+    let pixel = index / LANES;
+    if pixel >= width * u32(camera.size.y) {
         return;
     }
     var path = paths[index];
@@ -344,7 +415,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     for (var i = 0u; i < BUDGET; i++) {
         if path.mode == START {
-            start(&path, vec2u(index % width, index / width), index);
+            start(&path, vec2u(pixel % width, pixel / width), index);
         } else if path.mode == DONE {
             break;
         } else {

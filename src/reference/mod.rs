@@ -30,9 +30,11 @@ pub struct SceneUniform {
 }
 
 /// Bytes of the shader's `Path` and `Sum`, and the loop rounds of one dispatch.
-pub(crate) const PATH_BYTES: usize = 96;
+pub(crate) const PATH_BYTES: usize = 128;
 pub(crate) const SUM_FLOATS: usize = 8;
-const BUDGET: u32 = 1024;
+const BUDGET: u32 = 512;
+/// Workgroups that one row of a dispatch may have.
+const MOST_GROUPS: u32 = 65535;
 /// Cells along the longest axis of the grid.
 const RESOLUTION: u32 = 48;
 
@@ -46,6 +48,7 @@ pub struct PathTracer {
     sums: wgpu::Buffer,
     unfinished: wgpu::Buffer,
     size: [u32; 2],
+    lanes: u32,
 }
 
 /// What has been found so far, without background: multiplied by opacity.
@@ -55,7 +58,7 @@ pub struct Estimate {
     pub mean: Vec<[f32; 4]>,
     /// Standard error of the mean radiance, by channel.
     pub error: Vec<[f32; 3]>,
-    /// Samples of each pixel; each carries one of the three channels.
+    /// Samples of each pixel.
     pub samples: u32,
 }
 
@@ -81,12 +84,17 @@ impl PathTracer {
         };
         let device = &gpu.device;
         let sky = prepared_sky(gpu, frame);
-        let overrides =
-            [("BUDGET", f64::from(BUDGET)), ("ATMOSPHERE", f64::from(u8::from(sky.has_atmosphere())))];
+        let pixels = frame.size()[0] * frame.size()[1];
+        let lanes = lanes(pixels);
+        let overrides = [
+            ("BUDGET", f64::from(BUDGET)),
+            ("LANES", f64::from(lanes)),
+            ("ATMOSPHERE", f64::from(u8::from(sky.has_atmosphere()))),
+        ];
         let program = ComputeProgram::new(device, "path", &overrides);
-        let pixels = (frame.size()[0] * frame.size()[1]) as usize;
+        let threads = (pixels * lanes) as usize;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
-        let sums = gpu::storage_buffer(device, "sums", &vec![[0.0f32; SUM_FLOATS]; pixels]);
+        let sums = gpu::storage_buffer(device, "sums", &vec![[0.0f32; SUM_FLOATS]; threads]);
         let unfinished = gpu::storage_buffer(device, "unfinished", &[0u32]);
         let camera = gpu::uniform_buffer(device, "camera", &frame.camera);
         let noise =
@@ -97,7 +105,7 @@ impl PathTracer {
             gpu::storage_buffer(device, "cells", &grid.cells),
             gpu::storage_buffer(device, "candidates", &grid.candidates),
             gpu::storage_buffer(device, "phase tables", &world.tables),
-            gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; pixels]),
+            gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
         ];
         let noise_volume =
             upload_noise(device, &gpu.queue, frame.scene.noise.seed).create_view(&Default::default());
@@ -114,7 +122,7 @@ impl PathTracer {
         ]);
         let group = program.bind(device, &resources);
         let gpu = gpu.clone();
-        Ok(Self { gpu, program, group, uniform, uniform_buffer, sums, unfinished, size: frame.size() })
+        Ok(Self { gpu, program, group, uniform, uniform_buffer, sums, unfinished, size: frame.size(), lanes })
     }
 
     /// Adds samples until each pixel has `samples`; tells the share of pixels that are
@@ -139,13 +147,15 @@ impl PathTracer {
     pub fn advance(&mut self, samples: u32) -> Result<f64> {
         self.uniform.samples = samples;
         self.gpu.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&self.uniform));
-        let pixels = self.size[0] * self.size[1];
+        let threads = self.size[0] * self.size[1] * self.lanes;
+        let groups = threads.div_ceil(64);
+        let rows = groups.div_ceil(MOST_GROUPS);
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.unfinished, 0, None);
-        self.program.dispatch(&mut encoder, &self.group, [pixels.div_ceil(64), 1, 1], None);
+        self.program.dispatch(&mut encoder, &self.group, [groups.div_ceil(rows), rows, 1], None);
         self.gpu.queue.submit([encoder.finish()]);
         let left: Vec<u32> = gpu::read_buffer(&self.gpu, &self.unfinished)?;
-        Ok(1.0 - f64::from(left[0]) / f64::from(pixels))
+        Ok(1.0 - f64::from(left[0]) / f64::from(threads))
     }
 
     /// What has been found so far.
@@ -154,17 +164,36 @@ impl PathTracer {
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn estimate(&self) -> Result<Estimate> {
         let sums: Vec<[f32; SUM_FLOATS]> = gpu::read_buffer(&self.gpu, &self.sums)?;
-        let samples = self.uniform.samples;
-        let each = |channel: u32| ((samples + 2 - channel) / 3).max(1) as f32;
-        let error = |sum: &[f32; SUM_FLOATS], c: u32| {
-            (sum[4 + c as usize].max(0.0) / (each(c) * (each(c) - 1.0).max(1.0))).sqrt()
-        };
-        Ok(Estimate {
-            mean: sums.iter().map(|sum| [sum[0], sum[1], sum[2], sum[3]]).collect(),
-            error: sums.iter().map(|sum| [0, 1, 2].map(|c| error(sum, c))).collect(),
-            samples,
-        })
+        let (samples, lanes) = (self.uniform.samples, self.lanes);
+        let counts: Vec<f64> =
+            (0..lanes).map(|lane| f64::from((samples.saturating_sub(lane)).div_ceil(lanes))).collect();
+        let (mean, error) = sums.chunks_exact(lanes as usize).map(|sums| merged(sums, &counts)).unzip();
+        Ok(Estimate { mean, error, samples })
     }
+}
+
+/// Threads of each pixel: more for small pictures, so that they fill a graphics card. A power of two.
+fn lanes(pixels: u32) -> u32 {
+    const THREADS: u32 = 1 << 18;
+    1 << (THREADS / pixels.max(1)).clamp(1, 8).ilog2()
+}
+
+/// Mean of colours and opacity, and standard error of the colours, of a pixel whose threads
+/// took `counts` samples each (Chan et al. 1979).
+fn merged(sums: &[[f32; SUM_FLOATS]], counts: &[f64]) -> ([f32; 4], [f32; 3]) {
+    let n: f64 = counts.iter().sum::<f64>().max(1.0);
+    let mean = [0, 1, 2, 3].map(|c| {
+        sums.iter().zip(counts).map(|(sum, count)| f64::from(sum[c]) * count).sum::<f64>() / n
+    });
+    let error = [0, 1, 2].map(|c| {
+        let squares: f64 = sums
+            .iter()
+            .zip(counts)
+            .map(|(sum, count)| f64::from(sum[4 + c]) + count * (f64::from(sum[c]) - mean[c]).powi(2))
+            .sum();
+        (squares.max(0.0) / (n * (n - 1.0).max(1.0))).sqrt() as f32
+    });
+    (mean.map(|x| x as f32), error)
 }
 
 /// The tables of the frame's sky.
