@@ -3,7 +3,7 @@
 // its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
 // an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
 // homogeneous and integrated in closed form, the rest is sampled.
-// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere
+// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere field harmonics
 
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -42,6 +42,11 @@ struct Cloud {
     scene_depth: vec4f,
     // Legendre moments of the phase function over those of the slab table's, degree 0 to 3.
     degrees: vec4f,
+    // Least corner of the box of moments, m, and 1 over its extent.
+    field_low: vec3f,
+    padding_low: f32,
+    field_scale: vec3f,
+    padding_scale: f32,
     sun: LightBox,
     sky: LightBox,
 }
@@ -76,6 +81,12 @@ const DELTA_EDDINGTON: u32 = 1u;
 const SLAB: u32 = 2u;
 const SLAB_KOL: u32 = 3u;
 const SLAB_BOUTHORS: u32 = 4u;
+const MOMENTS: u32 = 5u;
+
+// Whether light is that of slabs at one point of a ray.
+fn has_one_point() -> bool {
+    return TRANSPORT == SLAB_KOL || TRANSPORT == SLAB_BOUTHORS;
+}
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> cloud: Cloud;
@@ -96,8 +107,9 @@ const SLAB_BOUTHORS: u32 = 4u;
 @group(0) @binding(16) var aerial: texture_3d<f32>;
 @group(0) @binding(17) var scene_depth: texture_depth_2d;
 @group(0) @binding(18) var<uniform> air: Atmosphere;
-// Tables of slabs, by what the transport needs: the source moments and their remainder, or
-// the direct table and its phase functions, or Bouthors' functions.
+// Tables of light, by what the transport needs: the moments and their remainder, of this
+// cloud or of slabs, or the direct table of slabs and its phase functions, or Bouthors'
+// functions.
 @group(0) @binding(20) var slab_volume: texture_3d<f32>;
 @group(0) @binding(21) var slab_angles: texture_2d<f32>;
 @group(0) @binding(22) var slab_views: texture_2d<f32>;
@@ -366,6 +378,38 @@ fn diffuse_weights(p: vec3f) -> vec3f {
     return weights;
 }
 
+// Source of sunlight scattered more than once, per unit of irradiance: the solved moments,
+// and what they leave out, which follows from the optical depth to the sun.
+fn source_of_moments(p: vec3f, direction: vec3f, depth: f32) -> vec3f {
+    count(MAP_READS, 5u);
+    let inside = (p - cloud.field_low) * cloud.field_scale;
+    let after = -direction;
+    let layers = f32(textureDimensions(slab_volume).z);
+    let low = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 0u, 4u), 0.0);
+    let square = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 1u, 4u), 0.0);
+    let mixed = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 2u, 4u), 0.0);
+    let cubic = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 3u, 4u), 0.0);
+    let smooth_part = dot(low, harmonics_low(after)) + dot(square, harmonics_square(after))
+        + dot(mixed, harmonics_mixed(after)) + dot(cubic, harmonics_cubic(after));
+    let at = vec2f(phase_coordinate(-cloud.to_sun, after), slab_path_coordinate(depth));
+    let beyond = textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
+    return max(vec3f(smooth_part) + beyond, vec3f(0.0));
+}
+
+// Weights of sky, horizon and ground in the source of their light, from their moments.
+fn sky_of_moments(p: vec3f, direction: vec3f) -> vec3f {
+    count(MAP_READS, 3u);
+    let inside = (p - cloud.field_low) * cloud.field_scale;
+    let layers = f32(textureDimensions(sky_volume).z);
+    let harmonics = harmonics_low(-direction);
+    var light = vec3f(0.0);
+    for (var i = 0u; i < 3u; i++) {
+        let at = field_coordinate(inside, layers, i, 3u);
+        light[i] = dot(textureSampleLevel(sky_volume, clamped, at, 0.0), harmonics);
+    }
+    return max(light, vec3f(0.0));
+}
+
 // Light gathered along a ray, per unit of the lights outside.
 struct March {
     transmittance: f32,
@@ -410,7 +454,7 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
         nodes[node].depth = depth;
     }
     nodes[node].seen += seen;
-    if TRANSPORT >= SLAB_KOL && gathered <= SURFACE {
+    if has_one_point() && gathered <= SURFACE {
         surface = Node(t, depth, 1.0);
     }
     (*m).gathered += seen;
@@ -425,7 +469,7 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.
 fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
-    if TRANSPORT >= SLAB_KOL {
+    if has_one_point() {
         let light = slab_radiance(ray.origin + surface.t * ray.direction, ray.direction);
         (*m).multiple += (*m).gathered * exp(-surface.depth.y) * light;
     }
@@ -437,7 +481,12 @@ fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
                 let own = max(node.depth.x - node.depth.y, 0.0);
                 (*m).multiple += node.seen * multiple_source(v, p, ray.direction, own, node.depth.y);
             }
-            if SKY_LIGHT {
+            if TRANSPORT == MOMENTS {
+                (*m).multiple += node.seen * source_of_moments(p, ray.direction, node.depth.x);
+            }
+            if SKY_LIGHT && TRANSPORT == MOMENTS {
+                (*m).diffuse += node.seen * sky_of_moments(p, ray.direction);
+            } else if SKY_LIGHT {
                 (*m).diffuse += node.seen * diffuse_weights(p);
             }
         }

@@ -84,6 +84,8 @@ enum TransportName {
     SlabKol,
     /// A slab for each set, found by iteration, as Bouthors (2008): slow.
     SlabBouthors,
+    /// Moments of the light in the cloud, solved for on a grid.
+    Moments,
     /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
     Path,
 }
@@ -155,6 +157,7 @@ impl Render {
             TransportName::SlabKol => Transport::SlabKol,
             TransportName::SlabBouthors => Transport::SlabBouthors,
             TransportName::DeltaEddington => Transport::DeltaEddington,
+            TransportName::Moments => Transport::Moments,
             // What is drawn beside a path traced picture has no clouds.
             TransportName::Slab | TransportName::Path => Transport::Slab,
         };

@@ -13,12 +13,12 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "light_box", "noise", "path_random", "phase", "random", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "tonemap",
+    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "field", "harmonics", "light_box", "noise", "path_random", "phase", "random", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "clouds", "compose", "ground_light", "mips", "multiple_scattering", "sky", "sky_light", "sky_view",
+    "aerial", "clouds", "compose", "ground_light", "mips", "moments_medium", "moments_scatter", "moments_store", "moments_sweep", "multiple_scattering", "sky", "sky_light", "sky_view",
     "path", "resolve", "sky_volume", "sun_maps", "sun_normals", "transmittance",
 );
 
@@ -116,6 +116,14 @@ impl ComputeProgram {
             cache: None,
         });
         Self { pipeline, name }
+    }
+
+    /// Records a dispatch into a pass that is open: dispatches of one pass follow one another,
+    /// each seeing what those before it wrote.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, groups: [u32; 3]) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
     }
 
     /// A bind group for this program's group 0: entry `i` goes to binding `i`.

@@ -9,6 +9,7 @@ use super::{
     CameraUniform, Quality, SceneDepth, Transport,
     frame::{CloudFrame, Frame},
     light::{CloudLight, LightBox},
+    moments::FieldBox,
     optics::{CloudOptics, OpticsTextures},
     slab_textures::SlabTextures,
     stats::Counters,
@@ -40,6 +41,10 @@ pub struct CloudUniform {
     pub(super) padding: f32,
     pub(super) scene_depth: [f32; 4],
     pub(super) degrees: [f32; 4],
+    pub(super) field_low: Vec3,
+    pub(super) padding_low: f32,
+    pub(super) field_scale: Vec3,
+    pub(super) padding_scale: f32,
     pub(super) sun: LightBox,
     pub(super) sky: LightBox,
 }
@@ -210,6 +215,8 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
     let frame = shared.frame;
     let optics = &cloud.optics;
     let ground = frame.scene.ground.altitude;
+    let nowhere = FieldBox { low: Vec3::ZERO, extent: Vec3::ONE };
+    let field = light.moments.as_ref().map_or(nowhere, |moments| moments.field_box);
     let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
@@ -237,6 +244,10 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         padding: 0.0,
         degrees: optics.degrees,
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
+        field_low: field.low,
+        padding_low: 0.0,
+        field_scale: field.extent.recip(),
+        padding_scale: 0.0,
         sun: light.sun_box,
         sky: light.sky_box,
     }
@@ -258,6 +269,9 @@ fn bind(
     let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
     let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+    let moments = light.moments.as_ref();
+    let volume = moments.map(|moments| &moments.sun).or(shared.slab.volume());
+    let angles = moments.map(|_| &optics.beyond).or(shared.slab.angles());
     let planes = shared.slab.planes().unwrap_or([&optics.remainder; 4]);
     gpu::bind_group(
         device,
@@ -277,15 +291,15 @@ fn bind(
             texture(&light.sun_volume),
             texture(&light.sun_depths),
             texture(&light.sun_normals),
-            texture(&light.sky_volume),
+            texture(moments.map_or(&light.sky_volume, |moments| &moments.sky)),
             texture(shared.transmittance),
             texture(shared.sky_light),
             texture(shared.aerial),
             texture(shared.depth.map_or(shared.no_depth, |depth| depth.view)),
             Some(shared.air.as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
-            texture(shared.slab.volume().unwrap_or(shared.noise_volume)),
-            texture(shared.slab.angles().unwrap_or(&optics.remainder)),
+            texture(volume.unwrap_or(shared.noise_volume)),
+            texture(angles.unwrap_or(&optics.remainder)),
             texture(planes[0]),
             texture(planes[1]),
             texture(planes[2]),

@@ -6,7 +6,7 @@ use wgpu::naga::{TypeInner, proc::Layouter};
 
 use super::{
     camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
-    light::LightBox, noise::NoiseFrame, resolve::ResolveUniform, tiles::Tile,
+    light::LightBox, moments::FieldUniform, noise::NoiseFrame, resolve::ResolveUniform, tiles::Tile,
 };
 use crate::{
     gpu,
@@ -44,7 +44,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 9] = [
+    let cases: [(&str, &str, Layout); 10] = [
         (
             "path",
             "Scene",
@@ -76,7 +76,12 @@ fn structs_of_rust_and_shaders_agree() {
             "Cloud",
             layout!(CloudUniform: camera, chop, to_sun, asymmetry, sun_irradiance, albedo, base, top, mean_free_path,
                 aerial_range, first_step, growth, opaque, sun_reach, longest_step, sun_radius, similarity, scene_depth,
-                degrees, sun, sky),
+                degrees, field_low, field_scale, sun, sky),
+        ),
+        (
+            "moments_sweep",
+            "Field",
+            layout!(FieldUniform: low, directions, cell, lights, size, ahead, scattering, beam),
         ),
         ("clouds", "Tile", layout!(Tile: area, first, count)),
         ("compose", "Compose", layout!(ComposeUniform: exposure, curve)),

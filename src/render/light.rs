@@ -2,9 +2,17 @@
 //! optical depth to the sun, and the volume of openness to sky and ground. Redone only
 //! when the sun, the shape or the noise changed.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
-use super::{ellipsoids::EllipsoidUniform, frame::CloudFrame, noise::NoiseFrame};
+use super::{
+    ellipsoids::EllipsoidUniform,
+    frame::CloudFrame,
+    moments::{FieldBox, Lights, MomentsPass},
+    noise::NoiseFrame,
+    optics::CloudOptics,
+};
 use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
 
 /// `LightBox` of `shaders/lib/light_box.wgsl`.
@@ -116,6 +124,7 @@ pub(super) struct LightPass {
     sun_normals: ComputeProgram,
     sky_volume: ComputeProgram,
     mips: ComputeProgram,
+    moments: Option<MomentsPass>,
 }
 
 /// What a cloud's light depends on.
@@ -137,8 +146,29 @@ pub(super) struct CloudLight {
     pub sun_depths: wgpu::TextureView,
     pub sun_normals: wgpu::TextureView,
     pub sky_volume: wgpu::TextureView,
+    pub moments: Option<CloudMoments>,
     sun_key: Key,
     sky_key: Option<Key>,
+}
+
+/// The moments of a cloud's light, on grids in one box.
+#[derive(Clone)]
+pub(super) struct CloudMoments {
+    pub field_box: FieldBox,
+    pub sun: wgpu::TextureView,
+    pub sky: wgpu::TextureView,
+    sun_key: (Key, Medium),
+    sky_key: Option<Medium>,
+}
+
+/// What fills a cloud, and on how many cells its light is solved for.
+#[derive(Clone, PartialEq)]
+struct Medium {
+    ellipsoids: Vec<EllipsoidUniform>,
+    noise: NoiseFrame,
+    seed: u32,
+    optics: Arc<CloudOptics>,
+    cells: u32,
 }
 
 /// What the passes share.
@@ -151,6 +181,9 @@ pub(super) struct Inputs<'a> {
     pub resolution: u32,
     /// Whether anything needs to know how open the cloud is.
     pub openness: bool,
+    /// Cells along the longest axis of the grid that light is solved for on, where it is.
+    pub moments: Option<u32>,
+    pub lit_by_sky: bool,
     pub timing: Option<&'a Timing>,
 }
 
@@ -161,13 +194,14 @@ impl LightPass {
             sun_normals: ComputeProgram::new(device, "sun_normals", &[]),
             sky_volume: ComputeProgram::new(device, "sky_volume", &[]),
             mips: ComputeProgram::new(device, "mips", &[]),
+            moments: None,
         }
     }
 
     /// Light for `cloud`, taken over from `before` where nothing it depends on changed.
     /// Counts the volumes that were redone in `redone`.
     pub fn prepare(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
@@ -177,8 +211,9 @@ impl LightPass {
         let sun_key = key(inputs, cloud, -inputs.to_sun, inputs.resolution);
         let sky_resolution = (inputs.resolution / 4).clamp(8, 32);
         let sky_key = inputs.openness.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
-        let (mut sun, mut sky) = (None, None);
+        let (mut sun, mut sky, mut moments) = (None, None, None);
         if let Some(before) = before {
+            moments = before.moments;
             if before.sun_key == sun_key {
                 sun = Some((before.sun_volume, before.sun_depths, before.sun_normals));
             }
@@ -197,7 +232,12 @@ impl LightPass {
             }
             None => view(&volume(inputs.device, "no sky volume", [1, 1, 1])),
         });
+        let moments = inputs.moments.map(|cells| {
+            let sun = (&sun_key, &sun_volume);
+            self.moments(encoder, inputs, cloud, sun, cells, moments, redone)
+        });
         CloudLight {
+            moments,
             voxel: voxel(&sun_key.light_box, inputs.resolution),
             sun_box: sun_key.light_box,
             sky_box: sky_key.as_ref().map_or(sun_key.light_box, |key| key.light_box),
@@ -208,6 +248,45 @@ impl LightPass {
             sun_key,
             sky_key,
         }
+    }
+
+    /// Moments of the light in `cloud`, taken over from `before` where nothing changed.
+    #[allow(clippy::too_many_arguments)]
+    fn moments(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        cloud: &CloudFrame,
+        (sun_key, sun_volume): (&Key, &wgpu::TextureView),
+        cells: u32,
+        before: Option<CloudMoments>,
+        redone: &mut u32,
+    ) -> CloudMoments {
+        let medium = Medium {
+            ellipsoids: cloud.ellipsoids.clone(),
+            noise: cloud.noise,
+            seed: inputs.seed,
+            optics: cloud.optics.clone(),
+            cells,
+        };
+        let sky_key = inputs.lit_by_sky.then(|| Medium { cells: (cells / 2).max(8), ..medium.clone() });
+        let sun_key = (sun_key.clone(), medium);
+        let (mut sun, mut sky) = (None, None);
+        if let Some(before) = before {
+            sun = (before.sun_key == sun_key).then_some(before.sun);
+            sky = (before.sky_key == sky_key).then_some(before.sky);
+        }
+        let pass = self.moments.get_or_insert_with(|| MomentsPass::new(inputs.device));
+        let mut solve = |lights, cells| {
+            *redone += 1;
+            pass.solve(encoder, inputs, cloud, (&sun_key.0.light_box, sun_volume), lights, cells)
+        };
+        let sun = sun.unwrap_or_else(|| solve(Lights::Sun, cells));
+        let sky = sky.unwrap_or_else(|| match &sky_key {
+            Some(medium) => solve(Lights::Sky, medium.cells),
+            None => view(&volume(inputs.device, "no sky moments", [1, 1, 1])),
+        });
+        CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky, sun_key, sky_key }
     }
 
     fn sun(

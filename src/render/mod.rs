@@ -8,6 +8,7 @@ mod frame;
 #[cfg(test)]
 mod layouts;
 mod light;
+mod moments;
 mod noise;
 mod optics;
 mod quality;

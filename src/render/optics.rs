@@ -41,6 +41,12 @@ pub(crate) struct CloudOptics {
     /// The remainder of small angles, [`moments::remainder`]: RGB and one unused, per steradian,
     /// by rows of optical depth.
     pub remainder: Vec<[f16; 4]>,
+    /// Legendre moments of the phase function without its peak, degree 0 to 3, green, and
+    /// the next one, which light that is solved for on a grid takes as going straight on.
+    pub chi: [f32; 4],
+    pub ahead: f32,
+    /// The same as `remainder` beyond such a grid: what went straight on there, too.
+    pub beyond: Vec<[f16; 4]>,
 }
 
 /// Texels of the remainder along the scattering angle and along the optical depth.
@@ -97,7 +103,10 @@ impl CloudOptics {
         Ok(Self {
             similarity: ((1.0 - g) / (1.0 - TABLE_MOMENTS[0])) as f32,
             degrees: [1.0, over_table(1), over_table(2), over_table(3)],
-            remainder: remainder(&media),
+            remainder: table(&media, moments::remainder_moments),
+            chi: [0, 1, 2, 3].map(|l| media[1].chi[l] as f32),
+            ahead: ahead(&media[1]) as f32,
+            beyond: table(&media, |medium, path| moments::moments_beyond(medium, ahead(&media[1]), path)),
             chop: chop as f32,
             asymmetry: chopped.asymmetry[1] as f32,
             albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - chop)) as f32,
@@ -113,6 +122,7 @@ impl CloudOptics {
         OpticsTextures {
             phase: upload("phase table", ANGLES, &self.table),
             remainder: upload("slab remainder", REMAINDER[0], &self.remainder),
+            beyond: upload("remainder beyond the grid", REMAINDER[0], &self.beyond),
         }
     }
 }
@@ -121,18 +131,25 @@ impl CloudOptics {
 pub(crate) struct OpticsTextures {
     pub phase: wgpu::TextureView,
     pub remainder: wgpu::TextureView,
+    pub beyond: wgpu::TextureView,
 }
 
-/// The small-angle remainder of red, green and blue by rows of optical depth, whose places
-/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells.
-fn remainder(media: &[Medium; 3]) -> Vec<[f16; 4]> {
+/// What of the extinction goes straight on when degrees 0 to 3 tell the phase function: the
+/// next moment (delta-M, Wiscombe 1977).
+fn ahead(medium: &Medium) -> f64 {
+    medium.chi[4].max(0.0)
+}
+
+/// A small-angle remainder of red, green and blue by rows of optical depth, whose places
+/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells, from its terms by degree.
+fn table(media: &[Medium; 3], terms: impl Fn(&Medium, f64) -> Vec<f64>) -> Vec<[f16; 4]> {
     let [width, height] = REMAINDER;
     let cosine: Vec<f64> = (0..width).map(|i| angle_at((i as f64 + 0.5) / width as f64).cos()).collect();
     let mut texels = Vec::with_capacity(width * height);
     for row in 0..height {
         let coordinate = (row as f64 + 0.5) / height as f64;
         let path = 4.0 * coordinate / (1.0 - coordinate);
-        let terms = media.each_ref().map(|medium| moments::remainder_moments(medium, path));
+        let terms = media.each_ref().map(|medium| terms(medium, path));
         texels.extend(cosine.iter().map(|cosine| {
             [0, 1, 2, 1].map(|channel: usize| f16::from_f64(legendre_series(&terms[channel], *cosine)))
         }));

@@ -17,6 +17,8 @@ pub struct Quality {
     pub light_nodes: u32,
     /// Texels across the largest cloud's sun maps and light volume: a power of two.
     pub light_resolution: u32,
+    /// Cells along the longest axis of the grid that light is solved for on.
+    pub light_cells: u32,
     /// Most steps of a ray.
     pub max_steps: u32,
     /// Whether rays start at random fractions of a step, to trade bands for grain.
@@ -33,6 +35,7 @@ impl Quality {
         sun_samples: 1,
         light_nodes: 2,
         light_resolution: 32,
+        light_cells: 16,
         max_steps: 128,
         jitter: true,
     };
@@ -45,6 +48,7 @@ impl Quality {
         sun_samples: 2,
         light_nodes: 3,
         light_resolution: 64,
+        light_cells: 24,
         max_steps: 256,
         jitter: true,
     };
@@ -57,6 +61,7 @@ impl Quality {
         sun_samples: 4,
         light_nodes: 8,
         light_resolution: 128,
+        light_cells: 32,
         max_steps: 768,
         jitter: false,
     };

@@ -44,16 +44,20 @@ pub enum Transport {
     /// As Bouthors (2008): a slab for each set of orders, under the area where its light
     /// entered, found by iteration. Slow.
     SlabBouthors,
+    /// From moments of the light in the cloud, solved for on a grid, and light that keeps
+    /// its direction but for small angles in closed form.
+    Moments,
 }
 
 impl Transport {
     /// Names and values.
-    pub const ALL: [(&'static str, Self); 5] = [
+    pub const ALL: [(&'static str, Self); 6] = [
         ("single", Self::Single),
         ("delta-eddington", Self::DeltaEddington),
         ("slab", Self::Slab),
         ("slab-kol", Self::SlabKol),
         ("slab-bouthors", Self::SlabBouthors),
+        ("moments", Self::Moments),
     ];
 }
 
@@ -320,7 +324,13 @@ impl Renderer {
                 seed: *seed,
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
-                openness: self.sky.lights() || self.transport != Transport::Single,
+                openness: match self.transport {
+                    Transport::Single => self.sky.lights(),
+                    Transport::Moments => false,
+                    _ => true,
+                },
+                moments: (self.transport == Transport::Moments).then_some(self.quality.light_cells),
+                lit_by_sky: self.sky.lights(),
                 timing: self.timing.as_ref(),
             };
             let kept = before.next().flatten();

@@ -33,7 +33,7 @@ impl SlabTextures {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, transport: Transport, table: SlabTable) -> Self {
         let functions = || FunctionTextures::new(device, queue);
         let made = match (transport, table) {
-            (Transport::Single | Transport::DeltaEddington, _) => None,
+            (Transport::Single | Transport::DeltaEddington | Transport::Moments, _) => None,
             (Transport::Slab, _) => moments(device, queue).map(Self::Moments),
             (_, SlabTable::Functions) => functions().map(Self::Functions),
             (_, SlabTable::Direct) => DirectTextures::new(device, queue)

@@ -1,0 +1,67 @@
+// What a cell of the field holds: mean extinction, and the share of the sun's beam that
+// reaches its droplets, from eight samples. One thread a cell.
+// @use density noise light_box field
+
+@group(0) @binding(0) var<uniform> field: Field;
+@group(0) @binding(1) var<uniform> sun: LightBox;
+@group(0) @binding(2) var<storage, read> ellipsoids: array<Ellipsoid>;
+@group(0) @binding(3) var<uniform> noise_frame: NoiseFrame;
+@group(0) @binding(4) var noise_volume: texture_3d<f32>;
+@group(0) @binding(5) var repeat: sampler;
+@group(0) @binding(6) var clamped: sampler;
+@group(0) @binding(7) var sun_volume: texture_3d<f32>;
+@group(0) @binding(8) var<storage, read_write> cells: array<FieldCell>;
+
+// The ellipsoids that reach into the cell; where they are more, all are asked.
+const MOST_HITS: u32 = 32u;
+var<private> hits: array<u32, MOST_HITS>;
+var<private> hit_count: u32;
+
+fn collect_hits(middle: vec3f, radius: f32) {
+    hit_count = 0u;
+    for (var i = 0u; i < sun.own; i++) {
+        let e = ellipsoids[i];
+        let steepest = max(e.row_x.w, max(e.row_y.w, e.row_z.w));
+        if length(ellipsoid_unit(e, middle, 1.0)) < 1.0 + radius * steepest {
+            if hit_count < MOST_HITS {
+                hits[hit_count] = i;
+            }
+            hit_count += 1u;
+        }
+    }
+}
+
+fn extinction_at(p: vec3f, blur: f32) -> f32 {
+    let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
+    let listed = hit_count <= MOST_HITS;
+    var matter = CLEAR;
+    for (var i = 0u; i < select(sun.own, hit_count, listed); i++) {
+        let e = ellipsoids[select(i, hits[min(i, MOST_HITS - 1u)], listed)];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+    }
+    return (1.0 - sun.chop) * matter.extinction;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= field_cells(field) {
+        return;
+    }
+    let corner = field.low + vec3f(field_place(field, id.x)) * field.cell;
+    collect_hits(corner + 0.5 * field.cell, 0.5 * length(field.cell));
+    let blur = 0.5 * min(field.cell.x, min(field.cell.y, field.cell.z));
+    let kept = 1.0 - field.ahead;
+    var sum = 0.0;
+    var lit = 0.0;
+    var open = 0.0;
+    for (var i = 0u; i < 8u; i++) {
+        let p = corner + (0.25 + 0.5 * vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u))) * field.cell;
+        let extinction = extinction_at(p, blur);
+        let depth = textureSampleLevel(sun_volume, clamped, light_box_coordinate(sun, p), 0.0).r;
+        let through = exp(-kept * depth);
+        sum += extinction;
+        lit += extinction * through;
+        open += through;
+    }
+    cells[id.x] = FieldCell(0.125 * kept * sum, select(0.125 * open, lit / sum, sum > 0.0));
+}

@@ -1,0 +1,79 @@
+// One round of scattering: the moments of the radiance in a cell, and the source that they
+// make towards each direction. The first round takes the moments of a coarser field instead.
+// One thread a cell and light.
+// @use field harmonics
+
+@group(0) @binding(0) var<uniform> field: Field;
+@group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
+struct Direction {
+    way: vec4f,
+}
+@group(0) @binding(2) var<storage, read> directions: array<Direction>;
+@group(0) @binding(3) var<storage, read> radiance: array<f32>;
+// Moments of the radiance, four times four by light and cell.
+@group(0) @binding(4) var<storage, read_write> moments: array<array<vec4f, 4>>;
+@group(0) @binding(5) var<storage, read_write> source: array<f32>;
+@group(0) @binding(6) var<uniform> coarse: Field;
+@group(0) @binding(7) var<storage, read> coarse_moments: array<array<vec4f, 4>>;
+
+override FIRST: bool = false;
+
+fn gathered(first: u32, cell: u32) -> array<vec4f, 4> {
+    var sum = array<vec4f, 4>();
+    for (var i = 0u; i < field.directions; i++) {
+        let d = directions[i].way;
+        let light = d.w * radiance[first + i * field_cells(field) + cell];
+        sum[0] += light * harmonics_low(d.xyz);
+        sum[1] += light * harmonics_square(d.xyz);
+        sum[2] += light * harmonics_mixed(d.xyz);
+        sum[3] += light * harmonics_cubic(d.xyz);
+    }
+    return sum;
+}
+
+// Between the cells of the coarser field.
+fn interpolated(light: u32, cell: u32) -> array<vec4f, 4> {
+    let place = (vec3f(field_place(field, cell)) + 0.5) * vec3f(coarse.size) / vec3f(field.size) - 0.5;
+    let low = floor(place);
+    let part = place - low;
+    var sum = array<vec4f, 4>();
+    for (var i = 0u; i < 8u; i++) {
+        let side = vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u));
+        let weights = mix(1.0 - part, part, side);
+        let at = vec3u(clamp(low + side, vec3f(0.0), vec3f(coarse.size) - 1.0));
+        let value = coarse_moments[light * field_cells(coarse) + field_index(coarse, at)];
+        for (var j = 0u; j < 4u; j++) {
+            sum[j] += weights.x * weights.y * weights.z * value[j];
+        }
+    }
+    return sum;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let count = field_cells(field);
+    if id.x >= count {
+        return;
+    }
+    let first = id.y * field.directions * count;
+    var all: array<vec4f, 4>;
+    if FIRST {
+        all = interpolated(id.y, id.x);
+    } else {
+        all = gathered(first, id.x);
+    }
+    moments[id.y * count + id.x] = all;
+    let beam = field.beam.w * cells[id.x].beam;
+    let d = field.beam.xyz;
+    let s = field.scattering;
+    all[0] = s.xyyy * (all[0] + beam * harmonics_low(d));
+    all[1] = s.zzzz * (all[1] + beam * harmonics_square(d));
+    all[2] = s.zwww * (all[2] + beam * harmonics_mixed(d));
+    all[3] = s.wwww * (all[3] + beam * harmonics_cubic(d));
+    for (var i = 0u; i < field.directions; i++) {
+        let d = directions[i].way.xyz;
+        let light = dot(all[0], harmonics_low(d)) + dot(all[1], harmonics_square(d))
+            + dot(all[2], harmonics_mixed(d)) + dot(all[3], harmonics_cubic(d));
+        source[first + i * count + id.x] = light;
+    }
+}

@@ -1,0 +1,78 @@
+// Light along each direction of the quadrature through the field, from the source that the
+// last round of scattering left: short characteristics (Kunasz and Auer 1988) with a source
+// that is linear between planes. One workgroup a direction and light; it goes from plane to
+// plane across the axis along which its direction crosses cells the fastest.
+// @use field
+
+struct Direction {
+    // Unit vector of propagation, and its weight; weights add up to 4 pi.
+    way: vec4f,
+}
+
+@group(0) @binding(0) var<uniform> field: Field;
+@group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
+@group(0) @binding(2) var<storage, read> directions: array<Direction>;
+// Radiance that enters the box, by light and direction.
+@group(0) @binding(3) var<storage, read> entering: array<f32>;
+// Source per unit of extinction, and radiance: by light, direction and cell.
+@group(0) @binding(4) var<storage, read> source: array<f32>;
+@group(0) @binding(5) var<storage, read_write> radiance: array<f32>;
+
+const THREADS: u32 = 128u;
+
+// (1 - e^-x) / x.
+fn mean_through(x: f32) -> f32 {
+    return select((1.0 - exp(-x)) / max(x, 1e-3), 1.0 - 0.5 * x, x < 1e-3);
+}
+
+@compute @workgroup_size(THREADS)
+fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) group: vec3u) {
+    // Find the axis and what a step from plane to plane is.
+    let way = directions[group.x].way.xyz;
+    let rates = way / field.cell;
+    var a = select(0u, 1u, abs(rates.y) > abs(rates.x));
+    a = select(a, 2u, abs(rates.z) > abs(rates[a]));
+    let u = (a + 1u) % 3u;
+    let v = (a + 2u) % 3u;
+    let step = 1.0 / abs(rates[a]);
+    let shift = vec2f(rates[u], rates[v]) * step;
+    let strides = vec3u(1u, field.size.x, field.size.x * field.size.y);
+    let planes = field.size[a];
+    let size = vec2u(field.size[u], field.size[v]);
+    let first = (group.y * field.directions + group.x) * field_cells(field);
+    let outside = entering[group.y * field.directions + group.x];
+    for (var s = 0u; s < planes; s++) {
+        let plane = select(planes - 1u - s, s, rates[a] > 0.0) * strides[a];
+        let before = select(plane + strides[a], plane - strides[a], rates[a] > 0.0);
+        for (var c = thread; c < size.x * size.y; c += THREADS) {
+            let at = vec2u(c % size.x, c / size.x);
+            let cell = plane + at.x * strides[u] + at.y * strides[v];
+            let here = cells[cell].extinction;
+            let emitted = source[first + cell];
+            // Interpolate what comes from the plane before.
+            var up = vec3f(outside, 0.0, emitted);
+            if s > 0u {
+                let from_place = vec2f(at) - shift;
+                let low = floor(from_place);
+                let part = from_place - low;
+                up = vec3f(0.0);
+                for (var i = 0u; i < 4u; i++) {
+                    let side = vec2f(vec2u(i & 1u, i >> 1u));
+                    let weights = mix(1.0 - part, part, side);
+                    let place = vec2i(low + side);
+                    let inside = all(place >= vec2i(0)) && all(place < vec2i(size));
+                    let held = vec2u(clamp(place, vec2i(0), vec2i(size) - 1));
+                    let other = before + held.x * strides[u] + held.y * strides[v];
+                    let value = vec3f(radiance[first + other], cells[other].extinction, source[first + other]);
+                    up += weights.x * weights.y * select(vec3f(outside, 0.0, emitted), value, inside);
+                }
+            }
+            let depth = step * select(0.5 * here, 0.5 * (here + up.y), s > 0u);
+            let through = exp(-depth);
+            let mean = mean_through(depth);
+            radiance[first + cell] = up.x * through + emitted * (1.0 - mean) + up.z * (mean - through);
+        }
+        storageBarrier();
+        workgroupBarrier();
+    }
+}

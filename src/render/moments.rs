@@ -1,0 +1,420 @@
+//! Moments of the light that is scattered in a cloud, solved for on a grid: the sun's, and
+//! that of sky, horizon and ground. Made only when sun, shape, noise or droplets changed.
+//!
+//! How it works. The medium without its forward peak is told by degrees 0 to 3 of its phase
+//! function; what is left of the peak then, chi_4, is taken as going straight on (delta-M,
+//! Wiscombe 1977). Light goes along 48 directions through the cells (`moments_sweep`), and
+//! its moments are the source of the next round of scattering (`moments_scatter`). Rounds on
+//! a coarse field are cheap and carry light far; each finer field begins with the moments
+//! of the one before, so that few rounds are needed there. What the cloud shader takes is a
+//! texture of the moments times those of the phase function, `moments_store`. What went
+//! straight on or was scattered by small angles is not in them: it follows from the optical
+//! depth to the sun alone and comes on top at each point, finer than any grid.
+//!
+//! Why not by path tracing, as the truth is: its noise would flicker while the sun moves,
+//! and a round of scattering costs every cell the same few reads on any device.
+
+use glam::{UVec3, Vec3, Vec4};
+
+use super::{
+    ellipsoids::EllipsoidUniform,
+    frame::CloudFrame,
+    light::{Inputs, LightBox},
+    noise::NoiseFrame,
+    optics::CloudOptics,
+};
+use crate::gpu::{self, ComputeProgram, TextureDesc};
+use crate::optics::slab::angles::Quadrature;
+
+/// `Field` of `shaders/lib/field.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FieldUniform {
+    pub(super) low: Vec3,
+    pub(super) directions: u32,
+    pub(super) cell: Vec3,
+    pub(super) lights: u32,
+    pub(super) size: UVec3,
+    pub(super) ahead: f32,
+    pub(super) scattering: Vec4,
+    pub(super) beam: Vec4,
+}
+
+/// Levels of the quadrature, and directions of each.
+const LEVELS: usize = 6;
+const PLACES: usize = 8;
+const DIRECTIONS: usize = LEVELS * PLACES;
+/// Lights that come from outside: above, horizon, ground.
+const LIGHTS: u32 = 3;
+/// Fewest cells along an axis.
+const FEWEST: u32 = 6;
+
+/// The programs.
+pub(super) struct MomentsPass {
+    medium: ComputeProgram,
+    sweep: ComputeProgram,
+    start: ComputeProgram,
+    scatter: ComputeProgram,
+    store: ComputeProgram,
+}
+
+/// What is solved for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lights {
+    Sun,
+    Sky,
+}
+
+/// A box that holds the field of a cloud: its least corner and its extent, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FieldBox {
+    pub low: Vec3,
+    pub extent: Vec3,
+}
+
+impl FieldBox {
+    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
+        let (low, high) = ellipsoids
+            .iter()
+            .map(|e| (e.center - e.half(), e.center + e.half()))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or((Vec3::ZERO, Vec3::ONE));
+        Self { low, extent: (high - low).max(Vec3::splat(1e-3)) }
+    }
+
+    /// Cells along each axis, `most` along the longest: as near to cubes as they can be.
+    fn size(&self, most: u32) -> UVec3 {
+        let cells = most as f32 * self.extent / self.extent.max_element();
+        cells.round().as_uvec3().clamp(UVec3::splat(FEWEST.min(most)), UVec3::splat(most))
+    }
+}
+
+/// Of one solution.
+struct Solver<'a> {
+    pass: &'a MomentsPass,
+    inputs: &'a Inputs<'a>,
+    field_box: FieldBox,
+    lights: Lights,
+    optics: &'a CloudOptics,
+    ellipsoids: wgpu::Buffer,
+    noise: wgpu::Buffer,
+    sun_box: wgpu::Buffer,
+    sun_volume: &'a wgpu::TextureView,
+    clamped: wgpu::Sampler,
+    directions: wgpu::Buffer,
+    entering: wgpu::Buffer,
+    /// A field of one dark cell, from which the coarsest one begins.
+    nothing: Level,
+}
+
+/// A field and what is known in its cells.
+struct Level {
+    uniform: FieldUniform,
+    buffer: wgpu::Buffer,
+    moments: wgpu::Buffer,
+}
+
+impl Level {
+    fn dark(device: &wgpu::Device, lights: Lights) -> Self {
+        let uniform =
+            FieldUniform { size: UVec3::ONE, lights: lights.count(), ..bytemuck::Zeroable::zeroed() };
+        Self::new(device, uniform)
+    }
+
+    fn new(device: &wgpu::Device, uniform: FieldUniform) -> Self {
+        let bytes = u64::from(cells(&uniform)) * u64::from(uniform.lights) * 64;
+        Self {
+            buffer: gpu::uniform_buffer(device, "field", &uniform),
+            moments: scratch(device, "moments", bytes),
+            uniform,
+        }
+    }
+}
+
+impl MomentsPass {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let program = |name, overrides: &[_]| ComputeProgram::new(device, name, overrides);
+        Self {
+            medium: program("moments_medium", &[]),
+            sweep: program("moments_sweep", &[]),
+            start: program("moments_scatter", &[("FIRST", 1.0)]),
+            scatter: program("moments_scatter", &[]),
+            store: program("moments_store", &[]),
+        }
+    }
+
+    /// Solves for the moments of `lights` in a cloud, `most` cells along its longest axis.
+    pub fn solve(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        cloud: &CloudFrame,
+        sun: (&LightBox, &wgpu::TextureView),
+        lights: Lights,
+        most: u32,
+    ) -> wgpu::TextureView {
+        let device = inputs.device;
+        let ways = directions();
+        let solver = Solver {
+            pass: self,
+            inputs,
+            field_box: FieldBox::new(&cloud.ellipsoids),
+            lights,
+            optics: &cloud.optics,
+            ellipsoids: gpu::storage_buffer(device, "ellipsoids", &cloud.ellipsoids),
+            noise: gpu::uniform_buffer::<NoiseFrame>(device, "noise frame", &cloud.noise),
+            sun_box: gpu::uniform_buffer(device, "sun box", sun.0),
+            sun_volume: sun.1,
+            clamped: gpu::linear_clamp(device),
+            directions: gpu::storage_buffer(device, "directions", &ways),
+            entering: gpu::storage_buffer(device, "entering light", &lights.entering(&ways)),
+            nothing: Level::dark(device, lights),
+        };
+        let stamps = inputs.timing.and_then(|timing| timing.compute("moments"));
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("moments"),
+            timestamp_writes: stamps,
+        });
+        solver.run(&mut pass, most)
+    }
+}
+
+/// Rounds of scattering on the coarsest field, and on each finer one the share of it.
+const ROUNDS: u32 = 48;
+
+impl Lights {
+    fn count(self) -> u32 {
+        match self {
+            Self::Sun => 1,
+            Self::Sky => LIGHTS,
+        }
+    }
+
+    /// Fields that the texture stacks.
+    fn blocks(self) -> u32 {
+        match self {
+            Self::Sun => 4,
+            Self::Sky => LIGHTS,
+        }
+    }
+
+    /// Radiance that comes in along each direction of propagation, for each light. Those of the sky
+    /// add up to 1 from everywhere.
+    fn entering(self, ways: &[Vec4]) -> Vec<f32> {
+        let part: [fn(f32) -> f32; 3] = [
+            |up| ((up - 0.1) / 0.3).clamp(0.0, 1.0),
+            |up| 1.0 - ((up - 0.1) / 0.3).clamp(0.0, 1.0) - ((-up) / 0.17).clamp(0.0, 1.0),
+            |up| ((-up) / 0.17).clamp(0.0, 1.0),
+        ];
+        match self {
+            Self::Sun => vec![0.0; ways.len()],
+            Self::Sky => part.iter().flat_map(|part| ways.iter().map(|way| part(-way.y))).collect(),
+        }
+    }
+}
+
+/// Directions of propagation and their weights, which add up to 4 pi: Gauss and Legendre's
+/// levels of height, evenly many places around each. Exact for products of harmonics to degree 3.
+fn directions() -> Vec<Vec4> {
+    let rule = Quadrature::new(LEVELS);
+    let level = |(k, (x, weight)): (usize, (&f64, &f64))| {
+        let height = 2.0 * x - 1.0;
+        let around = (1.0 - height * height).sqrt();
+        let weight = 4.0 * std::f64::consts::PI * weight / PLACES as f64;
+        (0..PLACES)
+            .map(|j| {
+                let angle = std::f64::consts::TAU * (j as f64 + 0.25 + 0.5 * (k % 2) as f64) / PLACES as f64;
+                glam::DVec4::new(around * angle.cos(), height, around * angle.sin(), weight).as_vec4()
+            })
+            .collect::<Vec<_>>()
+    };
+    rule.mu.iter().zip(&rule.weight).enumerate().flat_map(level).collect()
+}
+
+impl Solver<'_> {
+    fn run(&self, compute: &mut wgpu::ComputePass<'_>, most: u32) -> wgpu::TextureView {
+        let device = self.inputs.device;
+        let sizes = sizes(most);
+        let finest = self.uniform(most);
+        let numbers = u64::from(cells(&finest)) * u64::from(self.lights.count()) * DIRECTIONS as u64;
+        let [radiance, source] =
+            ["radiance", "source"].map(|label| scratch(device, label, numbers * size_of::<f32>() as u64));
+        let mut before: Option<Level> = None;
+        for (i, &size) in sizes.iter().enumerate() {
+            let level = Level::new(device, self.uniform(size));
+            let medium = self.medium(compute, &level);
+            let rounds = (ROUNDS >> i).max(6);
+            self.round(compute, &self.pass.start, &level, before.as_ref(), [&medium, &radiance, &source]);
+            for _ in 0..rounds {
+                self.sweep(compute, &level, [&medium, &radiance, &source]);
+                self.round(compute, &self.pass.scatter, &level, None, [&medium, &radiance, &source]);
+            }
+            before = Some(level);
+        }
+        self.store(compute, before.as_ref())
+    }
+
+    fn uniform(&self, most: u32) -> FieldUniform {
+        let size = self.field_box.size(most);
+        let optics = self.optics;
+        let beam = -self.inputs.to_sun.as_vec3();
+        let is_sun = f32::from(u8::from(self.lights == Lights::Sun));
+        FieldUniform {
+            low: self.field_box.low,
+            directions: DIRECTIONS as u32,
+            cell: self.field_box.extent / size.as_vec3(),
+            lights: self.lights.count(),
+            size,
+            ahead: optics.albedo * optics.ahead,
+            scattering: Vec4::from(optics.chi.map(|chi| {
+                optics.albedo * (chi - optics.ahead) / (1.0 - optics.albedo * optics.ahead)
+            })),
+            beam: beam.extend(is_sun),
+        }
+    }
+
+    /// What fills the cells of a level.
+    fn medium(&self, compute: &mut wgpu::ComputePass<'_>, level: &Level) -> wgpu::Buffer {
+        let device = self.inputs.device;
+        let count = cells(&level.uniform);
+        let filled = scratch(device, "field cells", u64::from(count) * 8);
+        let group = self.pass.medium.bind(
+            device,
+            &[
+                Some(level.buffer.as_entire_binding()),
+                Some(self.sun_box.as_entire_binding()),
+                Some(self.ellipsoids.as_entire_binding()),
+                Some(self.noise.as_entire_binding()),
+                Some(wgpu::BindingResource::TextureView(self.inputs.noise_volume)),
+                Some(wgpu::BindingResource::Sampler(self.inputs.repeat)),
+                Some(wgpu::BindingResource::Sampler(&self.clamped)),
+                Some(wgpu::BindingResource::TextureView(self.sun_volume)),
+                Some(filled.as_entire_binding()),
+            ],
+        );
+        self.pass.medium.record(compute, &group, [count.div_ceil(64), 1, 1]);
+        filled
+    }
+
+    fn sweep(&self, compute: &mut wgpu::ComputePass<'_>, level: &Level, buffers: [&wgpu::Buffer; 3]) {
+        let [medium, radiance, source] = buffers;
+        let resources = [&level.buffer, medium, &self.directions, &self.entering, source, radiance];
+        let group = self
+            .pass
+            .sweep
+            .bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
+        self.pass.sweep.record(compute, &group, [DIRECTIONS as u32, self.lights.count(), 1]);
+    }
+
+    /// One round of scattering; the first takes the moments of the level `before`, or none.
+    fn round(
+        &self,
+        compute: &mut wgpu::ComputePass<'_>,
+        program: &ComputeProgram,
+        level: &Level,
+        before: Option<&Level>,
+        buffers: [&wgpu::Buffer; 3],
+    ) {
+        let [medium, radiance, source] = buffers;
+        let coarse = before.map_or([&self.nothing.buffer, &self.nothing.moments], |before| {
+            [&before.buffer, &before.moments]
+        });
+        let resources = [
+            &level.buffer,
+            medium,
+            &self.directions,
+            radiance,
+            &level.moments,
+            source,
+            coarse[0],
+            coarse[1],
+        ];
+        let group = program
+            .bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
+        let count = cells(&level.uniform);
+        program.record(compute, &group, [count.div_ceil(64), self.lights.count(), 1]);
+    }
+
+    fn store(&self, compute: &mut wgpu::ComputePass<'_>, level: Option<&Level>) -> wgpu::TextureView {
+        let device = self.inputs.device;
+        let size = level.map_or(UVec3::ONE, |level| level.uniform.size);
+        let texture = gpu::texture(
+            device,
+            &TextureDesc {
+                label: "moments",
+                size: [size.x, size.y, size.z * self.lights.blocks()],
+                mips: 1,
+                format: wgpu::TextureFormat::Rgba16Float,
+                usage: wgpu::TextureUsages::STORAGE_BINDING,
+            },
+        );
+        let view = texture.create_view(&Default::default());
+        if let Some(level) = level {
+            let degrees = gpu::uniform_buffer(device, "degrees", &self.optics.chi);
+            let group = self.pass.store.bind(
+                device,
+                &[
+                    Some(level.buffer.as_entire_binding()),
+                    Some(level.moments.as_entire_binding()),
+                    Some(degrees.as_entire_binding()),
+                    Some(wgpu::BindingResource::TextureView(&view)),
+                ],
+            );
+            let count = cells(&level.uniform);
+            self.pass.store.record(compute, &group, [count.div_ceil(64), self.lights.blocks(), 1]);
+        }
+        view
+    }
+}
+
+/// Cells along the longest axis of each field, coarse ones first: halves down to eight.
+fn sizes(most: u32) -> Vec<u32> {
+    let mut sizes = vec![most.max(2)];
+    while sizes[0] >= 16 {
+        sizes.insert(0, sizes[0] / 2);
+    }
+    sizes
+}
+
+fn cells(uniform: &FieldUniform) -> u32 {
+    uniform.size.element_product()
+}
+
+/// A buffer that shaders alone write.
+fn scratch(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_integrate_products_of_harmonics_exactly() {
+        // Of degree 0 to 3: monomials to degree 6 in each coordinate.
+        let ways = directions();
+        let integral = |f: &dyn Fn(Vec4) -> f64| ways.iter().map(|d| f64::from(d.w) * f(*d)).sum::<f64>();
+        let whole = 4.0 * std::f64::consts::PI;
+        for (power, share) in [(0, 1.0), (2, 1.0 / 3.0), (4, 1.0 / 5.0), (6, 1.0 / 7.0), (3, 0.0), (5, 0.0)] {
+            for axis in 0..3 {
+                let found = integral(&|d| f64::from(d[axis]).powi(power)) / whole;
+                assert!((found - share).abs() < 1e-6, "axis {axis}, power {power}: {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn lights_of_the_sky_add_up_to_one_from_everywhere() {
+        let ways = directions();
+        let entering = Lights::Sky.entering(&ways);
+        for i in 0..ways.len() {
+            let sum: f32 = (0..3).map(|light| entering[light * ways.len() + i]).sum();
+            assert!((sum - 1.0).abs() < 1e-6);
+        }
+    }
+}
