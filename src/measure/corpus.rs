@@ -8,9 +8,7 @@ use std::fmt;
 
 use glam::{DVec3, dvec3};
 
-use crate::scene::{
-    Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Sun, SunPosition,
-};
+use crate::scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Sun, SunPosition};
 
 /// Width and height of every picture, pixels.
 pub const SIZE: [u32; 2] = [96, 54];
@@ -193,19 +191,19 @@ fn cumulonimbus() -> Scene {
 /// Grey bases from between the rolls, the sun at the side.
 fn stratocumulus_below() -> Scene {
     let scene = sunlit(Preset::Stratocumulus.scene(1), EAST, 35.0);
-    looking(scene, dvec3(0.0, 100.0, 500.0), dvec3(0.0, 0.8, -0.6), 55.0)
+    looking(scene, dvec3(0.0, 700.0, 1500.0), dvec3(0.0, 0.5, -0.85), 45.0)
 }
 
 /// Tops under a low sun at the side.
 fn stratocumulus_above() -> Scene {
     let scene = sunlit(Preset::Stratocumulus.scene(12), 250.0, 12.0);
-    looking(scene, dvec3(0.0, 3200.0, 3000.0), dvec3(0.0, -0.6, -0.8), 40.0)
+    looking(scene, dvec3(100.0, 2300.0, 1300.0), dvec3(0.0, -0.7, -0.7), 45.0)
 }
 
 /// A thin sheet, through which the sun shines at 25 to 50 degrees from the line of sight.
 fn sheet_back() -> Scene {
-    let sheet = Ellipsoid::new(dvec3(0.0, 1000.0, 0.0), dvec3(700.0, 35.0, 700.0));
-    let scene = of(vec![cloud(vec![sheet], 30.0, 0.5)], 60.0, 1);
+    let sheet = Ellipsoid::new(dvec3(0.0, 1000.0, 0.0), dvec3(700.0, 28.0, 700.0));
+    let scene = of(vec![cloud(vec![sheet], 40.0, 0.9)], 90.0, 1);
     looking(sunlit(scene, 60.0, 50.0), dvec3(0.0, 600.0, 335.0), dvec3(0.0, 0.77, -0.64), 30.0)
 }
 
@@ -230,13 +228,15 @@ fn concavity() -> Scene {
 fn inside() -> Scene {
     let mut scene = sunlit(Preset::Mediocris.scene(12), 230.0, 40.0);
     scene.clouds[0].droplets.concentration_per_cm3 = 60.0;
-    looking(scene, dvec3(0.0, 1500.0, 260.0), dvec3(0.6, -0.1, -0.8), 60.0)
+    let trunk = &scene.clouds[0].ellipsoids[7];
+    let place = trunk.center + 0.55 * trunk.radii.min_element() * DVec3::Z;
+    looking(scene, place, dvec3(1.0, 0.0, 0.25), 60.0)
 }
 
 /// Of optical depth 1 to 3, the sun at the side.
 fn thin() -> Scene {
     let mut scene = Preset::Humilis.scene(14);
-    scene.clouds[0].droplets.concentration_per_cm3 = 30.0;
+    scene.clouds[0].droplets.concentration_per_cm3 = 100.0;
     portrait(scene, EAST, 30.0)
 }
 

@@ -127,8 +127,7 @@ impl Reference {
     pub fn write(&self, path: &Path) -> Result<()> {
         let scene = serde_json::to_string(&self.scene)
             .map_err(|error| Error::Argument(format!("the scene could not be written as JSON: {error}")))?;
-        let notes =
-            [(SAMPLES, self.samples.to_string()), (SEED, self.seed.to_string()), (SCENE, scene)];
+        let notes = [(SAMPLES, self.samples.to_string()), (SEED, self.seed.to_string()), (SCENE, scene)];
         export::write_noted_estimate(path, &self.picture, &self.error, &notes)
     }
 
