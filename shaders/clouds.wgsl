@@ -62,6 +62,8 @@ struct Tile {
 
 override COUNTING: bool = false;
 override ATMOSPHERE: bool = true;
+// Whether the air between camera and cloud shows.
+override AERIAL: bool = true;
 override SKY_LIGHT: bool = true;
 override SCENE_DEPTH: bool = false;
 // How multiple scattering is found.
@@ -646,7 +648,7 @@ fn shade(v: Varyings) -> Shade {
     single *= sun;
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
     let multiple = cloud.albedo * (sun * m.multiple + diffuse);
-    if !ATMOSPHERE {
+    if !AERIAL {
         return Shade(alpha, single, multiple, vec3f(0.0), distance, m.normal);
     }
     let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod bench;
 #[cfg(feature = "editor")]
 mod edit;
 mod info;
@@ -26,6 +27,7 @@ enum Command {
     #[cfg(feature = "editor")]
     Edit(edit::Edit),
     Render(render::Render),
+    Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
     Schema(schema::Schema),
@@ -53,6 +55,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),
         Command::Schema(command) => command.run(),

@@ -4,6 +4,8 @@ mod exr;
 mod picture;
 mod png;
 
-pub use exr::{write_beauty, write_estimate, write_layers};
+pub use exr::{
+    StoredEstimate, read_estimate, write_beauty, write_estimate, write_layers, write_noted_estimate,
+};
 pub use picture::Picture;
 pub use png::write_png;

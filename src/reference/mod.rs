@@ -182,9 +182,8 @@ fn lanes(pixels: u32) -> u32 {
 /// took `counts` samples each (Chan et al. 1979).
 fn merged(sums: &[[f32; SUM_FLOATS]], counts: &[f64]) -> ([f32; 4], [f32; 3]) {
     let n: f64 = counts.iter().sum::<f64>().max(1.0);
-    let mean = [0, 1, 2, 3].map(|c| {
-        sums.iter().zip(counts).map(|(sum, count)| f64::from(sum[c]) * count).sum::<f64>() / n
-    });
+    let mean = [0, 1, 2, 3]
+        .map(|c| sums.iter().zip(counts).map(|(sum, count)| f64::from(sum[c]) * count).sum::<f64>() / n);
     let error = [0, 1, 2].map(|c| {
         let squares: f64 = sums
             .iter()

@@ -55,6 +55,7 @@ pub(super) struct Variant {
     pub entry: &'static str,
     pub counting: bool,
     pub atmosphere: bool,
+    pub aerial: bool,
     pub sky_light: bool,
     pub scene_depth: bool,
     pub transport: Transport,
@@ -68,11 +69,12 @@ pub(super) struct Variant {
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 12] {
+    pub fn overrides(&self) -> [(&'static str, f64); 13] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
+            ("AERIAL", flag(self.aerial)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("TRANSPORT", f64::from(self.transport as u8)),
@@ -108,6 +110,7 @@ pub(super) struct Shared<'a> {
     pub counters: &'a Counters,
     pub counting: bool,
     pub atmosphere: bool,
+    pub air_before_clouds: bool,
     pub lit_by_sky: bool,
     pub slab: &'a SlabTextures,
 }
@@ -193,6 +196,7 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         entry,
         counting: shared.counting || entry == "cost",
         atmosphere: shared.atmosphere,
+        aerial: shared.atmosphere && shared.air_before_clouds,
         sky_light: lit && shared.lit_by_sky,
         scene_depth: shared.depth.is_some(),
         transport: if lit { shared.transport } else { Transport::Single },

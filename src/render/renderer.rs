@@ -73,6 +73,9 @@ pub struct Renderer {
     pub transport: Transport,
     /// Where Kol's and Bouthors' slabs take their light from; nothing else asks.
     pub slab_table: SlabTable,
+    /// Whether the air between camera and clouds dims them and shines itself; without it the
+    /// light is that of the clouds alone, as path traced pictures have it.
+    pub aerial: bool,
     /// Whether to count work; slower.
     pub counting: bool,
     /// Times the passes where the adapter can.
@@ -106,6 +109,7 @@ impl Renderer {
             format,
             quality: Quality::default(),
             transport: Transport::default(),
+            aerial: true,
             counting: false,
             timing: None,
             noise: None,
@@ -375,6 +379,7 @@ impl Renderer {
             counters: &self.counters,
             counting: self.counting,
             atmosphere: self.sky.has_atmosphere(),
+            air_before_clouds: self.aerial,
             lit_by_sky: self.sky.lights(),
             slab,
         };

@@ -1,0 +1,90 @@
+//! `nephos bench reference`: path traces what the models are measured against.
+
+use std::{fs, path::PathBuf, time::Duration};
+
+use clap::Args;
+
+use super::chosen;
+use crate::{
+    Error, Result,
+    cli::terminal,
+    gpu::Gpu,
+    measure::{Entry, Limits, Reference},
+};
+
+/// Path trace the references, those that are missing or of another scene.
+#[derive(Debug, Args)]
+pub struct MakeReferences {
+    /// Part of the names of the pictures; all where left out.
+    #[arg(long, value_name = "NAME")]
+    filter: Option<String>,
+    /// Relative noise at which a picture is done.
+    #[arg(long, default_value_t = 0.05)]
+    noise: f64,
+    /// Most samples of each pixel.
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
+    samples: u32,
+    /// Most seconds for each picture.
+    #[arg(long, default_value_t = 3600.0)]
+    seconds: f64,
+    /// Make those again that are there.
+    #[arg(long)]
+    force: bool,
+    /// Where the references are kept.
+    #[arg(long, value_name = "FOLDER", default_value = "benches/references")]
+    folder: PathBuf,
+    /// Part of the name of the adapter to use; `nephos info` lists them.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+/// The only seed: other pictures of the same scene need no other.
+const SEED: u32 = 1;
+
+impl MakeReferences {
+    /// Makes them.
+    ///
+    /// # Errors
+    /// Where the arguments, the adapter or a file are not good.
+    pub fn run(self) -> Result<()> {
+        let entries = chosen(self.filter.as_deref())?;
+        let time = Duration::try_from_secs_f64(self.seconds).map_err(|_| {
+            Error::Argument(format!("--seconds {} is no time: expected a number of seconds", self.seconds))
+        })?;
+        let limits = Limits { noise: self.noise, samples: self.samples, time };
+        fs::create_dir_all(&self.folder).map_err(|source| Error::File {
+            action: "create",
+            path: self.folder.clone(),
+            source,
+        })?;
+        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        for entry in &entries {
+            self.make(&gpu, entry, &limits)?;
+        }
+        Ok(())
+    }
+
+    fn make(&self, gpu: &Gpu, entry: &Entry, limits: &Limits) -> Result<()> {
+        let (path, scene) = (Reference::path(&self.folder, entry), entry.scene());
+        if !self.force && Reference::read(&path).is_ok_and(|found| found.scene == scene) {
+            return terminal::print(&format!("{}: there already\n", entry.name));
+        }
+        let bar = terminal::progress(entry.name);
+        let reference = Reference::trace(gpu, &scene, SEED, limits, &mut |progress| {
+            bar.set_position((1000.0 * progress.share) as u64);
+            bar.set_message(format!(
+                "{} {} samples, noise {:.3}",
+                entry.name, progress.samples, progress.noise
+            ));
+        })?;
+        bar.finish_and_clear();
+        reference.write(&path)?;
+        terminal::print(&format!(
+            "{}: {} samples, noise {:.3}, {:.0} s\n",
+            entry.name,
+            reference.samples,
+            reference.noise(),
+            bar.elapsed().as_secs_f64()
+        ))
+    }
+}
