@@ -88,8 +88,8 @@ override LANES: u32 = 1u;
 // Collisions before Russian roulette, and the chance to survive each one after them.
 override ROULETTE_AFTER: u32 = 256u;
 override SURVIVAL: f32 = 0.95;
-// Share of directions that are drawn around the sun, at the first collisions; later ones
-// have less of it, so that what all of them take from a path stays bounded.
+// Least share of directions that are drawn around the sun, at the first collisions; later
+// ones have less of it, so that what all of them take from a path stays bounded.
 override TO_SUN: f32 = 0.05;
 // Paths that carry less than this are ended by chance.
 override FAINT: f32 = 0.05;
@@ -318,11 +318,14 @@ fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
     (*path).mode = SHADOW;
 }
 
-// Share of directions drawn around the sun at a collision: half where droplets scatter the
-// path into the sun's disc by their peak, else what is left of it after earlier collisions.
+// Share of directions drawn around the sun at a collision. A direction around the path that
+// happens to be the sun's has P(to the sun) times the light of one that was drawn around the
+// sun, over this share: so the share grows with P, as P / (P + 1), and what one direction can
+// bring stays bounded.
 fn share_to_sun(path: ptr<function, Path>) -> f32 {
-    let share = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
-    return select(share, 0.5, near_sun(path));
+    let toward = phase((*path).medium, (*path).direction, scene.to_sun).y;
+    let least = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
+    return max(least, toward / (toward + 1.0));
 }
 
 // Chooses where to go on from a collision: around the path or around the sun.
