@@ -124,7 +124,7 @@ fn draw() -> f32 {
 
 // The channel that chooses the directions of a path.
 fn channel_of(path: ptr<function, Path>) -> u32 {
-    return (*path).sample % 3u;
+    return ((*path).sample / LANES) % 3u;
 }
 
 // A medium in `phase_tables`: its albedo, then for each channel the phase function over
@@ -266,7 +266,7 @@ fn sky_from(direction: vec3f) -> vec3f {
 }
 
 fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
-    random_state = hash_random(index / LANES, (*path).sample, scene.seed);
+    random_state = hash_random(index / LANES, (*path).sample + index % LANES, scene.seed);
     let offset = vec2f(draw(), draw());
     let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
     let origin = scene.camera + ray.origin;
@@ -295,7 +295,7 @@ fn finish(path: ptr<function, Path>, index: u32) {
     sum.alpha += (hit - sum.alpha) / n;
     sums[index] = sum;
     (*path).sample = sample + LANES;
-    (*path).mode = select(START, DONE, sample + LANES >= scene.samples);
+    (*path).mode = select(START, DONE, sample + LANES + index % LANES >= scene.samples);
 }
 
 // What a path carries, its three ways to be chosen weighed together.
@@ -413,7 +413,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     var path = paths[index];
     random_state = path.random;
-    if path.mode == DONE && path.sample < scene.samples {
+    if path.mode == DONE && path.sample + index % LANES < scene.samples {
         path.mode = START;
     }
     for (var i = 0u; i < BUDGET; i++) {
