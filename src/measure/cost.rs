@@ -73,7 +73,7 @@ pub struct Stopwatch<'a> {
     pub gpu: &'a Gpu,
     /// Size of the finished pictures, pixels.
     pub size: [u32; 2],
-    /// How often each time is taken.
+    /// How often the time of a frame is taken; that of light, a third as often.
     pub repeats: u32,
 }
 
@@ -98,8 +98,10 @@ impl Stopwatch<'_> {
         renderer.timing = Some(Timing::new(self.gpu));
         // Compiles what the counting variant did not.
         self.frame(renderer, scene, rays)?;
-        let (frame_ms, frame_passes) = self.median(renderer, scene, rays, camera_moved)?;
-        let (with_light, light_passes) = self.median(renderer, scene, rays, sun_moved)?;
+        let (frame_ms, frame_passes) = self.median(renderer, scene, rays, camera_moved, self.repeats)?;
+        // Slow, and long enough that few repeats tell.
+        let seldom = self.repeats.div_ceil(3);
+        let (with_light, light_passes) = self.median(renderer, scene, rays, sun_moved, seldom)?;
         renderer.timing = None;
         Ok(Cost {
             scene: name,
@@ -120,9 +122,10 @@ impl Stopwatch<'_> {
         scene: &Scene,
         rays: u32,
         changed: fn(&Scene, f64) -> Scene,
+        repeats: u32,
     ) -> Result<(f64, Vec<PassTime>)> {
         let (mut walls, mut passes) = (Vec::new(), Vec::new());
-        for repeat in 1..=self.repeats.max(1) {
+        for repeat in 1..=repeats.max(1) {
             let scene = changed(scene, f64::from(repeat));
             walls.push(self.frame(renderer, &scene, rays)?);
             if let Some(timing) = &renderer.timing {
