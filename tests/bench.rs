@@ -11,7 +11,7 @@ use assert_cmd::Command;
 use common::gpu;
 use glam::DVec3;
 use nephos::{
-    measure::{CORPUS, Entry, Limits, Reference, SIZE, Truth, draw},
+    measure::{CORPUS, Entry, Limits, Reference, SIZE, Truth, draw, light},
     render::{Quality, Transport},
     scene::{Scene, SunPosition},
 };
@@ -53,6 +53,21 @@ fn wrong_signs_and_densities_are_far_above_the_error_of_the_best_model() {
         let found = error(&reference, &wrong, model);
         assert!(found > 2.0 * least && found > 0.3, "{what}: {found} against {least}");
     }
+}
+
+#[test]
+fn references_are_as_far_apart_as_their_standard_errors_say() {
+    let entry = entry("sphere-side");
+    let limits = Limits { noise: 0.0, samples: 96, time: Duration::from_secs(600) };
+    let [a, b] =
+        [1, 2].map(|seed| Reference::trace(gpu(), &entry.scene(), seed, &limits, &mut |_| ()).unwrap());
+    let (mut squares, mut variance) = (0.0, 0.0);
+    for i in a.cloud() {
+        squares += (light(&a.picture.pixels[i]) - light(&b.picture.pixels[i])).powi(2);
+        variance += a.variance(i) + b.variance(i);
+    }
+    // Mie's bright paths make the ratio unsteady; it was 8.6 when threads shared their paths.
+    assert!((0.5..2.0).contains(&(squares / variance)), "{}", squares / variance);
 }
 
 fn nephos(words: &[&str]) -> assert_cmd::assert::Assert {

@@ -34,11 +34,26 @@ pub fn clouds(
     rays: u32,
 ) -> Result<Picture> {
     let frame = Frame::new(scene, size.map(|n| n * rays))?;
+    Ok(drawn(gpu, renderer, &frame)?.reduced(rays as usize))
+}
+
+/// The same by single rays that are as thin as can be: no detail is left out, and no step is
+/// lengthened, because a pixel would not show it.
+///
+/// # Errors
+/// Where the scene is not valid or the device fails.
+pub fn thin_rays(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, size: [u32; 2]) -> Result<Picture> {
+    let mut frame = Frame::new(scene, size)?;
+    frame.camera.pixel *= 1e-3;
+    drawn(gpu, renderer, &frame)
+}
+
+fn drawn(gpu: &Gpu, renderer: &mut Renderer, frame: &Frame) -> Result<Picture> {
     let texture = renderer.picture("drawn", frame.size(), HDR);
     let view = texture.create_view(&Default::default());
     let target = Target { color: &view, depth: None, sky: false };
-    renderer.render_in_pieces(gpu, &frame, &target, &mut |_| ())?;
-    Ok(Picture::read(gpu, &texture)?.reduced(rays as usize))
+    renderer.render_in_pieces(gpu, frame, &target, &mut |_| ())?;
+    Picture::read(gpu, &texture)
 }
 
 /// The sky of `scene` without clouds.

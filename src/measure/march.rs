@@ -1,5 +1,6 @@
 //! Error of the march apart from that of the model: the same model with ever shorter steps,
-//! against a march so fine that it has converged.
+//! against a march so fine that it has converged. Rays are thin: steps are as short as the
+//! quality says, as they are where a cloud is near.
 
 use super::{Reference, SIZE, Truth, Work, draw};
 use crate::{
@@ -87,7 +88,7 @@ pub const PICTURES: usize = 1 + SCALES.len() + Quality::PRESETS.len();
 fn drawn(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, quality: Quality) -> Result<(Picture, Work)> {
     renderer.quality = quality;
     renderer.counting = true;
-    let picture = draw::clouds(gpu, renderer, scene, SIZE, 1);
+    let picture = draw::thin_rays(gpu, renderer, scene, SIZE);
     renderer.counting = false;
     Ok((picture?, Work::new(&renderer.counts(gpu)?, SIZE)))
 }

@@ -112,6 +112,7 @@ impl BenchModels {
             match Reference::read(&path) {
                 Ok(found) if found.scene == entry.scene() => measured.push((entry, found)),
                 Ok(_) => left_out.push(format!("{}: its reference is of another scene", entry.name)),
+                Err(_) if !path.exists() => left_out.push(format!("{}: it has no reference", entry.name)),
                 Err(error) => left_out.push(format!("{}: {error}", entry.name)),
             }
         }
