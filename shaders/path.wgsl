@@ -415,6 +415,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     random_state = path.random;
     if path.mode == DONE && path.sample + index % LANES < scene.samples {
         path.mode = START;
+    } else if path.mode == START && path.sample >= scene.samples {
+        // There are fewer samples than threads.
+        path.mode = DONE;
     }
     for (var i = 0u; i < BUDGET; i++) {
         if path.mode == START {

@@ -1,8 +1,24 @@
 //! How far the renderer is from the truth, and what it costs: a corpus of pictures with path
-//! traced references.
+//! traced references, metrics, time and work.
 
 mod corpus;
+mod cost;
+pub mod draw;
+mod flip;
+mod march;
+mod metrics;
+mod page;
+mod plot;
 mod reference;
+mod report;
+mod score;
 
 pub use corpus::{CORPUS, Entry, SIZE, Set};
+pub use cost::{Cost, Stopwatch, Work};
+pub use flip::flip;
+pub use march::{MarchPoint, PICTURES as MARCH_PICTURES, curve};
+pub use metrics::{BANDS, Errors, Truth};
+pub use page::page;
 pub use reference::{Limits, OPAQUE, Progress, Reference, light};
+pub use report::{Known, MeanCost, Report, march_text};
+pub use score::{Drawn, Mean, Score, View, Way, means, score};

@@ -32,6 +32,8 @@ pub struct SceneUniform {
 /// Bytes of the shader's `Path` and `Sum`, and the loop rounds of one dispatch.
 pub(crate) const PATH_BYTES: usize = 128;
 pub(crate) const SUM_FLOATS: usize = 8;
+/// Place of `sample` among the words of `Path`.
+pub(crate) const SAMPLE_WORD: usize = 15;
 const BUDGET: u32 = 512;
 /// Workgroups that one row of a dispatch may have.
 const MOST_GROUPS: u32 = 65535;
@@ -105,7 +107,7 @@ impl PathTracer {
             gpu::storage_buffer(device, "cells", &grid.cells),
             gpu::storage_buffer(device, "candidates", &grid.candidates),
             gpu::storage_buffer(device, "phase tables", &world.tables),
-            gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
+            gpu::storage_buffer(device, "paths", &new_paths(threads, lanes)),
         ];
         let noise_volume =
             upload_noise(device, &gpu.queue, frame.scene.noise.seed).create_view(&Default::default());
@@ -176,6 +178,16 @@ impl PathTracer {
 fn lanes(pixels: u32) -> u32 {
     const THREADS: u32 = 1 << 18;
     1 << (THREADS / pixels.max(1)).clamp(1, 8).ilog2()
+}
+
+/// Paths that have not begun: thread i of a pixel with its sample i.
+fn new_paths(threads: usize, lanes: u32) -> Vec<[u32; PATH_BYTES / 4]> {
+    let path = |thread: usize| {
+        let mut path = [0; PATH_BYTES / 4];
+        path[SAMPLE_WORD] = thread as u32 % lanes;
+        path
+    };
+    (0..threads).map(path).collect()
 }
 
 /// Mean of colours and opacity, and standard error of the colours, of a pixel whose threads

@@ -1,5 +1,7 @@
 //! `nephos bench`: errors of the renderer against path traced truth, and its cost.
 
+mod march;
+mod models;
 mod reference;
 
 use clap::{Args, Subcommand};
@@ -9,16 +11,20 @@ use crate::{
     measure::{CORPUS, Entry},
 };
 
-/// Measure the renderer against path traced references.
+/// Measure every transport model against path traced references, and its cost.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Bench {
     #[command(subcommand)]
-    what: What,
+    what: Option<What>,
+    #[command(flatten)]
+    models: models::BenchModels,
 }
 
 #[derive(Debug, Subcommand)]
 enum What {
     Reference(reference::MakeReferences),
+    March(march::BenchMarch),
 }
 
 impl Bench {
@@ -28,7 +34,9 @@ impl Bench {
     /// Where the arguments, the adapter or a file are not good.
     pub fn run(self) -> Result<()> {
         match self.what {
-            What::Reference(command) => command.run(),
+            Some(What::Reference(command)) => command.run(),
+            Some(What::March(command)) => command.run(),
+            None => self.models.run(),
         }
     }
 }
@@ -42,4 +50,20 @@ fn chosen(part: Option<&str>) -> Result<Vec<Entry>> {
         return Err(Error::Argument(format!("no picture has `{part}` in its name: there are {names}")));
     }
     Ok(entries)
+}
+
+/// The values of `all` with the `wanted` names; all of them where none is wanted.
+fn named<T: Copy>(
+    all: &[(&'static str, T)],
+    wanted: &[String],
+    option: &str,
+) -> Result<Vec<(&'static str, T)>> {
+    for name in wanted {
+        if !all.iter().any(|(known, _)| known == name) {
+            let names = all.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+            return Err(Error::Argument(format!("{option} knows no `{name}`: there are {names}")));
+        }
+    }
+    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|wanted| wanted == name);
+    Ok(all.iter().filter(|(name, _)| is_wanted(name)).copied().collect())
 }
