@@ -3,7 +3,7 @@
 // its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
 // an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
 // homogeneous and integrated in closed form, the rest is sampled.
-// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere
+// @use camera density noise light_box phase octaves eddington slab slab_direct slab_fit slab_functions random atmosphere
 
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -60,7 +60,7 @@ override ATMOSPHERE: bool = true;
 override SKY_LIGHT: bool = true;
 override SCENE_DEPTH: bool = false;
 // How multiple scattering is found.
-override TRANSPORT: u32 = 1u;
+override TRANSPORT: u32 = 4u;
 override PEAK: bool = true;
 override NORMALS: bool = false;
 override ABSORBING: bool = false;
@@ -71,11 +71,13 @@ override DIRECT_TABLE: bool = false;
 override LIGHT_NODES: u32 = 6u;
 override MAX_STEPS: u32 = 512u;
 
-const SINGLE: u32 = 0u;
-const DELTA_EDDINGTON: u32 = 1u;
-const SLAB: u32 = 2u;
-const SLAB_KOL: u32 = 3u;
-const SLAB_BOUTHORS: u32 = 4u;
+const EMITTER: u32 = 0u;
+const SINGLE: u32 = 1u;
+const OCTAVES: u32 = 2u;
+const DELTA_EDDINGTON: u32 = 3u;
+const SLAB: u32 = 4u;
+const SLAB_KOL: u32 = 5u;
+const SLAB_BOUTHORS: u32 = 6u;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> cloud: Cloud;
@@ -373,6 +375,8 @@ struct March {
     optical_depth: f32,
     single: f32,
     multiple: vec3f,
+    // Second and third octave, without their phase functions.
+    octaves: vec2f,
     // Sunlight that other clouds let through to what is seen.
     sunlit: f32,
     // Sky, horizon, ground.
@@ -401,6 +405,11 @@ var<private> surface: Node;
 
 fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
     let p = ray.origin + t * ray.direction;
+    (*m).distance += seen * t;
+    (*m).height += seen * p.y;
+    if TRANSPORT == EMITTER {
+        return;
+    }
     let depth = sun_depth(v, p, blur);
     // Nodes share the opacity of the ray evenly; each lies where half of its share is gathered.
     let gathered = (*m).gathered;
@@ -416,11 +425,12 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
     (*m).gathered += seen;
     (*m).single += seen * exp(-depth.x);
     (*m).sunlit += seen * exp(-depth.y);
+    if TRANSPORT == OCTAVES {
+        (*m).octaves += seen * octave_transmittances(depth.x);
+    }
     if NORMALS {
         (*m).normal += seen * facing_at(v, p);
     }
-    (*m).distance += seen * t;
-    (*m).height += seen * p.y;
 }
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.
@@ -457,6 +467,7 @@ fn close(m: ptr<function, March>) {
     let share = 1.0 / (1.0 - (*m).transmittance);
     (*m).single *= share;
     (*m).multiple *= share;
+    (*m).octaves *= share;
     (*m).sunlit *= share;
     (*m).diffuse *= share;
     (*m).distance *= share;
@@ -467,7 +478,7 @@ fn close(m: ptr<function, March>) {
 }
 
 fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
-    var m = March(1.0, 0.0, 0.0, vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
+    var m = March(1.0, 0.0, 0.0, vec3f(0.0), vec2f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
     var stretch = Stretch(0.0, false, 0.0, 0.0);
     var step = 0.0;
@@ -531,7 +542,7 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
     if unlit > 0.0 {
         add_light(v, &m, ray, last, unlit, pixel_footprint(camera, last));
     }
-    if TRANSPORT != SINGLE || SKY_LIGHT {
+    if TRANSPORT >= DELTA_EDDINGTON || (SKY_LIGHT && TRANSPORT != EMITTER) {
         add_diffuse_light(v, &m, ray);
     }
     if m.transmittance < opaque {
@@ -557,6 +568,13 @@ fn sees_sun_disc(d: vec3f) -> bool {
     return cloud.sun_radius > 0.0 && length(d - cloud.to_sun) < max(cloud.sun_radius, camera.pixel) + camera.pixel;
 }
 
+// Max's emitter (1994, after Sabella 1988): the radiance of an opaque cloud, which is the mean
+// over all directions of the light of sun, sky and ground that falls on it.
+fn emission(v: Varyings, sun: vec3f) -> vec3f {
+    let mean = sun / (4.0 * PI);
+    return select(mean, mean + 0.5 * (v.sky + v.ground), SKY_LIGHT);
+}
+
 // A pixel's light, premultiplied by opacity.
 struct Shade {
     alpha: f32,
@@ -573,9 +591,13 @@ fn shade(v: Varyings) -> Shade {
     let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
     let ray = Ray(cloud.camera + seen_from_camera.origin, seen_from_camera.direction);
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    let u = phase_coordinate(-cloud.to_sun, -ray.direction);
-    let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
-    let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+    var wide = vec3f(0.0);
+    var peak = vec3f(0.0);
+    if TRANSPORT != EMITTER {
+        let u = phase_coordinate(-cloud.to_sun, -ray.direction);
+        wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
+        peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+    }
     // Before the sun a little transmittance is much light: look deeper there.
     let opaque = cloud.opaque / (1.0 + 10.0 * peak.g);
     let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
@@ -596,7 +618,14 @@ fn shade(v: Varyings) -> Shade {
     }
     single *= sun;
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
-    let multiple = cloud.albedo * (sun * m.multiple + diffuse);
+    var multiple = cloud.albedo * (sun * m.multiple + diffuse);
+    if TRANSPORT == OCTAVES {
+        let cosine = dot(ray.direction, cloud.to_sun);
+        multiple += cloud.albedo * dot(m.octaves, octave_phases(cloud.asymmetry, cosine)) * sun;
+    }
+    if TRANSPORT == EMITTER {
+        multiple = cloud.albedo * opacity * emission(v, sun);
+    }
     if !ATMOSPHERE {
         return Shade(alpha, single, multiple, vec3f(0.0), distance, m.normal);
     }

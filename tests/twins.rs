@@ -221,6 +221,18 @@ fn eddington(x: &[[f64; 4]; 7]) -> f64 {
     (i0 + g * nu * i1).max(0.0)
 }
 
+/// The Henyey-Greenstein phase function by its definition: the sum of its Legendre series
+/// (2 l + 1) / (4 pi) g^l P_l.
+fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
+    let (mut before, mut here, mut sum) = (0.0, 1.0, 0.0);
+    for l in 0..200 {
+        let n = f64::from(l);
+        sum += (2.0 * n + 1.0) / (4.0 * PI) * g.powi(l) * here;
+        (before, here) = (here, ((2.0 * n + 1.0) * cosine * here - n * before) / (n + 1.0));
+    }
+    sum
+}
+
 /// Everything of the library but the sky, whose twins are in tests/sky.rs.
 fn twins() -> Vec<Twin> {
     let e = ellipsoids();
@@ -364,6 +376,36 @@ fn twins() -> Vec<Twin> {
             },
             1e-4,
             2e-7,
+        ),
+        twin(
+            "octave_phase",
+            "octaves",
+            "return vec4f(octave_phase(x[0].x, x[0].y));",
+            grid(&[-0.5, 0.0, 0.3, 0.73], &[-1.0, -0.2, 0.0, 0.9, 1.0], &[0.0], &[0.0]),
+            |x| one(henyey_greenstein(x[0][0], x[0][1])),
+            1e-5,
+            0.0,
+        ),
+        twin(
+            "octave_phases",
+            "octaves",
+            "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);",
+            grid(&[-0.5, 0.0, 0.73], &[-1.0, 0.0, 0.9, 1.0], &[0.0], &[0.0]),
+            |x| {
+                let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
+                [octave(0.5), octave(0.25), f64::NAN, f64::NAN]
+            },
+            1e-5,
+            0.0,
+        ),
+        twin(
+            "octave_transmittances",
+            "octaves",
+            "return vec4f(octave_transmittances(x[0].x), 0.0, 0.0);",
+            grid(&[0.0, 0.1, 3.0, 30.0], &[0.0], &[0.0], &[0.0]),
+            |x| [(-x[0][0] / 2.0).exp(), (-x[0][0] / 4.0).exp(), f64::NAN, f64::NAN],
+            1e-5,
+            0.0,
         ),
         twin(
             "eddington_beam",

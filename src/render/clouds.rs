@@ -184,6 +184,7 @@ impl CloudsPass {
 fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Variant {
     // Which way a cloud faces has nothing to do with light.
     let lit = entry != "normals";
+    let emits = lit && shared.transport == Transport::Emitter;
     Variant {
         entry,
         counting: shared.counting || entry == "cost",
@@ -192,10 +193,10 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         scene_depth: shared.depth.is_some(),
         transport: if lit { shared.transport } else { Transport::Single },
         direct_table: lit && shared.slab.is_direct(),
-        peak: lit && cloud.optics.chop > 0.0,
+        peak: lit && !emits && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
-        sun_samples: if lit { shared.quality.sun_samples } else { 0 },
+        sun_samples: if lit && !emits { shared.quality.sun_samples } else { 0 },
         light_nodes: shared.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: shared.quality.max_steps,
     }
@@ -211,21 +212,24 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
     let optics = &cloud.optics;
     let ground = frame.scene.ground.altitude;
     let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
+    // An emitter scatters nothing: it has no peak to leave out.
+    let emits = shared.transport == Transport::Emitter;
+    let chop = if emits { 0.0 } else { optics.chop };
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
-        chop: optics.chop,
+        chop,
         to_sun: frame.to_sun.as_vec3(),
         asymmetry: optics.asymmetry,
         sun_irradiance: Vec3::from(frame.scene.sun.irradiance.map(|x| x as f32)),
-        albedo: optics.albedo,
+        albedo: if emits { optics.whole_albedo() } else { optics.albedo },
         base: (cloud.origin.y - cloud.half.y - ground) as f32,
         top: (cloud.origin.y + cloud.half.y - ground) as f32,
-        mean_free_path: 1.0 / (densest * (1.0 - optics.chop)),
+        mean_free_path: 1.0 / (densest * (1.0 - chop)),
         aerial_range: shared.aerial_range,
         first_step: shared.quality.first_step,
         growth: shared.quality.growth,
         opaque: shared.quality.opaque,
-        sun_reach: SUN_REACH * light.voxel,
+        sun_reach: if emits { 0.0 } else { SUN_REACH * light.voxel },
         longest_step: shared.quality.longest_step,
         sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
             0.0
