@@ -4,7 +4,7 @@
 // whose asymmetry is c^i of the first's, through a^i of the optical depth from the sun.
 // a = b = c = OCTAVE, and three octaves. The first is single scattering itself, found with
 // the droplets' own phase function; here are the other two, Henyey-Greenstein's.
-// @use constants
+// @use constants phase
 
 const OCTAVE: f32 = 0.5;
 
@@ -20,7 +20,9 @@ fn octave_phases(g: f32, cosine: f32) -> vec2f {
     return OCTAVE * vec2f(octave_phase(OCTAVE * g, cosine), OCTAVE * octave_phase(OCTAVE * OCTAVE * g, cosine));
 }
 
-// Shares of sunlight that reach the second and third octave through an optical depth.
-fn octave_transmittances(optical_depth: f32) -> vec2f {
-    return vec2f(exp(-OCTAVE * optical_depth), exp(-OCTAVE * OCTAVE * optical_depth));
+// `sunlight_share` of the second and third octave.
+fn octave_transmittances(optical_depth: f32, before: f32, after: f32) -> vec2f {
+    let second = sunlight_share(optical_depth, OCTAVE * before, OCTAVE * after);
+    let third = sunlight_share(optical_depth, OCTAVE * OCTAVE * before, OCTAVE * OCTAVE * after);
+    return vec2f(second, third);
 }

@@ -33,8 +33,8 @@ pub struct CloudUniform {
     pub(super) first_step: f32,
     pub(super) growth: f32,
     pub(super) opaque: f32,
-    pub(super) sun_reach: f32,
     pub(super) longest_step: f32,
+    pub(super) lit_at_once: f32,
     pub(super) sun_radius: f32,
     pub(super) similarity: f32,
     pub(super) padding: f32,
@@ -57,13 +57,12 @@ pub(super) struct Variant {
     pub peak: bool,
     pub normals: bool,
     pub absorbing: bool,
-    pub sun_samples: u32,
     pub light_nodes: u32,
     pub max_steps: u32,
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 12] {
+    pub fn overrides(&self) -> [(&'static str, f64); 11] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -75,7 +74,6 @@ impl Variant {
             ("PEAK", flag(self.peak)),
             ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
-            ("SUN_SAMPLES", f64::from(self.sun_samples)),
             ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
@@ -140,7 +138,7 @@ impl CloudsPass {
         format: wgpu::TextureFormat,
     ) -> Option<Draw> {
         let uniform = uniform(shared, cloud, light);
-        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids, uniform.sun_reach);
+        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids);
         if cover.tiles.is_empty() {
             return None;
         }
@@ -196,14 +194,11 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         peak: lit && !emits && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
-        sun_samples: if lit && !emits { shared.quality.sun_samples } else { 0 },
         light_nodes: shared.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: shared.quality.max_steps,
     }
 }
 
-/// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
-const SUN_REACH: f32 = 2.5;
 /// Room for light nodes in the shader.
 const MOST_NODES: u32 = 8;
 
@@ -229,8 +224,8 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
         first_step: shared.quality.first_step,
         growth: shared.quality.growth,
         opaque: shared.quality.opaque,
-        sun_reach: if emits { 0.0 } else { SUN_REACH * light.voxel },
         longest_step: shared.quality.longest_step,
+        lit_at_once: shared.quality.lit_at_once,
         sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
             0.0
         } else {
