@@ -124,5 +124,5 @@ fn models_leave_out_the_work_that_they_do_not_need() {
     assert_eq!(octaves, single, "octaves are exponentials only");
     assert_eq!(emitter.map_reads, 0, "an emitter knows no shadow");
     assert!(emitter.density_evaluations <= emitter.steps, "{emitter:?}");
-    assert!(3 * emitter.density_evaluations < 2 * single.density_evaluations, "{emitter:?} {single:?}");
+    assert!(single.density_evaluations <= single.steps, "none towards the sun: {single:?}");
 }

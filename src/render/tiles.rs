@@ -202,7 +202,7 @@ mod tests {
         let camera =
             Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
-        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), 0.0);
+        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids());
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();
         assert!((100..8000).contains(&pixels), "{pixels} of two million");
     }
