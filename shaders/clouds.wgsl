@@ -3,7 +3,7 @@
 // its rays can meet. A ray is cut into stretches, bounded by where it enters or leaves
 // an ellipsoid or a core: clear stretches are jumped over, stretches of the core are
 // homogeneous and integrated in closed form, the rest is sampled.
-// @use camera density noise light_box phase eddington slab slab_direct slab_fit slab_functions random atmosphere field harmonics
+// @use camera density noise light_box phase octaves eddington slab slab_direct slab_fit slab_functions random atmosphere field harmonics
 
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -29,10 +29,10 @@ struct Cloud {
     growth: f32,
     // A ray ends where less than this gets through.
     opaque: f32,
-    // Length of the samples towards the sun, m.
-    sun_reach: f32,
     // Longest step, as a share of the boundary.
     longest_step: f32,
+    // What is seen of a ray and is lit at once.
+    lit_at_once: f32,
     // Angular radius of the sun's disc, rad; 0 where the sky shows none.
     sun_radius: f32,
     // Optical depth in the slab table's medium that is like one of this.
@@ -67,23 +67,24 @@ override AERIAL: bool = true;
 override SKY_LIGHT: bool = true;
 override SCENE_DEPTH: bool = false;
 // How multiple scattering is found.
-override TRANSPORT: u32 = 1u;
+override TRANSPORT: u32 = 4u;
 override PEAK: bool = true;
 override NORMALS: bool = false;
 override ABSORBING: bool = false;
-override SUN_SAMPLES: u32 = 3u;
 // Whether Kol's and Bouthors' slabs take their light from the direct table.
 override DIRECT_TABLE: bool = false;
 // Points of a ray at which diffuse light is found, at most 8.
 override LIGHT_NODES: u32 = 6u;
 override MAX_STEPS: u32 = 512u;
 
-const SINGLE: u32 = 0u;
-const DELTA_EDDINGTON: u32 = 1u;
-const SLAB: u32 = 2u;
-const SLAB_KOL: u32 = 3u;
-const SLAB_BOUTHORS: u32 = 4u;
-const MOMENTS: u32 = 5u;
+const EMITTER: u32 = 0u;
+const SINGLE: u32 = 1u;
+const OCTAVES: u32 = 2u;
+const DELTA_EDDINGTON: u32 = 3u;
+const SLAB: u32 = 4u;
+const SLAB_KOL: u32 = 5u;
+const SLAB_BOUTHORS: u32 = 6u;
+const MOMENTS: u32 = 7u;
 
 // Whether light is that of slabs at one point of a ray.
 fn has_one_point() -> bool {
@@ -232,21 +233,13 @@ fn matter_at(v: Varyings, p: vec3f, blur: f32) -> Matter {
     return matter;
 }
 
-// Optical depth to the sun without the peak, and the part of it in the shadow of other
-// clouds: a few samples close by, where shadows are sharp, then the volume.
-fn sun_depth(v: Varyings, p: vec3f, blur: f32) -> vec2f {
-    var near = 0.0;
-    for (var i = 0u; i < SUN_SAMPLES; i++) {
-        let a = f32(i) / f32(SUN_SAMPLES);
-        let b = f32(i + 1u) / f32(SUN_SAMPLES);
-        let length = cloud.sun_reach * (b * b - a * a);
-        let middle = 0.5 * cloud.sun_reach * (b * b + a * a);
-        near += length * matter_at(v, p + middle * cloud.to_sun, max(blur, 0.5 * length)).extinction;
+// Optical depth to the sun without the peak, and the part of it in the shadow of other clouds.
+fn sun_depth(p: vec3f) -> vec2f {
+    if TRANSPORT == EMITTER {
+        return vec2f(0.0);
     }
-    let reach = select(cloud.sun_reach, 0.0, SUN_SAMPLES == 0u);
     count(MAP_READS, 1u);
-    let beyond = light_box_coordinate(cloud.sun, p + reach * cloud.to_sun);
-    return textureSampleLevel(sun_volume, clamped, beyond, 0.0).rg + vec2f((1.0 - cloud.chop) * near, 0.0);
+    return textureSampleLevel(sun_volume, clamped, light_box_coordinate(cloud.sun, p), 0.0).rg;
 }
 
 // Which way the cloud faces at a point, noise left out: away from where its ellipsoids
@@ -419,6 +412,8 @@ struct March {
     optical_depth: f32,
     single: f32,
     multiple: vec3f,
+    // Second and third octave, without their phase functions.
+    octaves: vec2f,
     // Sunlight that other clouds let through to what is seen.
     sunlit: f32,
     // Sky, horizon, ground.
@@ -445,9 +440,29 @@ var<private> nodes: array<Node, MOST_NODES>;
 const SURFACE: f32 = 0.0625;
 var<private> surface: Node;
 
-fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, blur: f32) {
+// A piece of a ray that is lit at once.
+struct Piece {
+    end: f32,
+    // Optical depth to the sun where it begins, and the part of it that is other clouds' shadow.
+    sun: vec2f,
+    // Its own optical depth, without the peak.
+    optical_depth: f32,
+    // What is seen of it, and the sum of distances, m, weighted by what is seen.
+    seen: f32,
+    distance: f32,
+}
+
+// Lights a piece; `after` is the optical depth to the sun where it ends.
+fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, piece: Piece, after: vec2f) {
+    let seen = piece.seen;
+    let t = piece.distance / seen;
     let p = ray.origin + t * ray.direction;
-    let depth = sun_depth(v, p, blur);
+    (*m).distance += piece.distance;
+    (*m).height += seen * p.y;
+    if TRANSPORT == EMITTER {
+        return;
+    }
+    let depth = 0.5 * (piece.sun + after);
     // Nodes share the opacity of the ray evenly; each lies where half of its share is gathered.
     let gathered = (*m).gathered;
     let node = min(u32((gathered + 0.5 * seen) * f32(LIGHT_NODES)), LIGHT_NODES - 1u);
@@ -460,13 +475,27 @@ fn add_light(v: Varyings, m: ptr<function, March>, ray: Ray, t: f32, seen: f32, 
         surface = Node(t, depth, 1.0);
     }
     (*m).gathered += seen;
-    (*m).single += seen * exp(-depth.x);
-    (*m).sunlit += seen * exp(-depth.y);
+    (*m).single += seen * sunlight_share(piece.optical_depth, piece.sun.x, after.x);
+    (*m).sunlit += seen * mean_transmittance(piece.sun.y, after.y);
+    if TRANSPORT == OCTAVES {
+        (*m).octaves += seen * octave_transmittances(piece.optical_depth, piece.sun.x, after.x);
+    }
     if NORMALS {
         (*m).normal += seen * facing_at(v, p);
     }
-    (*m).distance += seen * t;
-    (*m).height += seen * p.y;
+}
+
+// Lights a piece, where there is one, and begins the next at `t`, which may be farther on.
+fn next_piece(v: Varyings, m: ptr<function, March>, ray: Ray, piece: Piece, t: f32) -> Piece {
+    var sun = vec2f(0.0);
+    if piece.seen > 0.0 {
+        sun = sun_depth(ray.origin + piece.end * ray.direction);
+        add_light(v, m, ray, piece, sun);
+    }
+    if t > piece.end {
+        sun = sun_depth(ray.origin + t * ray.direction);
+    }
+    return Piece(t, sun, 0.0, 0.0, 0.0);
 }
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.
@@ -495,6 +524,12 @@ fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
     }
 }
 
+// Shortest step, in widths of a pixel.
+const SHORTEST_STEP: f32 = 0.5;
+// Share of the distance to a change of density that is stepped over, for noise steepens it, and
+// the largest optical depth that is.
+const STEADY: f32 = 0.6;
+const THICKEST_STEP: f32 = 1.0;
 // Optical depth of the first step in a homogeneous core.
 const CORE_STEP: f32 = 0.15;
 // Steps kept for stretches to come when a ray has used up its own.
@@ -508,6 +543,7 @@ fn close(m: ptr<function, March>) {
     let share = 1.0 / (1.0 - (*m).transmittance);
     (*m).single *= share;
     (*m).multiple *= share;
+    (*m).octaves *= share;
     (*m).sunlit *= share;
     (*m).diffuse *= share;
     (*m).distance *= share;
@@ -518,13 +554,12 @@ fn close(m: ptr<function, March>) {
 }
 
 fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
-    var m = March(1.0, 0.0, 0.0, vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
+    var m = March(1.0, 0.0, 0.0, vec3f(0.0), vec2f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
     var stretch = Stretch(0.0, false, 0.0, 0.0);
     var step = 0.0;
     var phase = offset;
-    var unlit = 0.0;
-    var last = 0.0;
+    var piece = Piece(-1.0, vec2f(0.0), 0.0, 0.0, 0.0);
     for (var i = 0u; i < MAX_STEPS + SPARE_STEPS; i++) {
         // Find the next stretch; jump over clear air.
         if t >= stretch.end {
@@ -541,48 +576,52 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         }
         // Take one step, no farther than the stretch.
         let blur = pixel_footprint(camera, t);
-        let smallest = max(cloud.first_step * stretch.boundary, blur);
-        let longest = max(cloud.longest_step * stretch.boundary, blur);
+        let smallest = max(cloud.first_step * stretch.boundary, SHORTEST_STEP * blur);
+        let longest = max(cloud.longest_step * stretch.boundary, SHORTEST_STEP * blur);
         let homogeneous = stretch.core > 0.0;
         let spaced = select(clamp(step, smallest, longest), max(step, CORE_STEP / stretch.core), homogeneous);
         // Where steps run short, what is left of the stretch shares those that are left.
-        let scarce = (min(stretch.end, farthest) - t) / f32(max(MAX_STEPS, i + RESERVE) - i);
+        let left = min(stretch.end, farthest) - t;
+        let scarce = left / f32(max(MAX_STEPS, i + RESERVE) - i);
         let wanted = max(spaced, select(0.0, scarce, 2u * i > MAX_STEPS));
-        let length = min(wanted * phase, min(stretch.end, farthest) - t);
+        var length = min(wanted * phase, left);
         phase = 1.0;
-        let middle = t + 0.5 * length;
         count(STEPS, 1u);
-        var matter = Matter(stretch.core, 0.0);
+        var matter = Matter(stretch.core, 0.0, 0.0);
         if !homogeneous {
-            matter = matter_at(v, ray.origin + middle * ray.direction, blur);
+            matter = matter_at(v, ray.origin + (t + 0.5 * length) * ray.direction, blur);
+            // The step is as long as what it found.
+            let most = THICKEST_STEP / max((1.0 - cloud.chop) * matter.extinction, 1e-6);
+            length = min(max(length, min(0.5 * length + STEADY * matter.steady, most)), left);
         }
         // Gather the light of this step in closed form.
         let optical_depth = matter.extinction * length;
         let through = exp(-(1.0 - cloud.chop) * optical_depth);
         let seen = m.transmittance * (1.0 - through);
-        // Light the sample, and those before it that were too thin to be worth it.
-        unlit += seen;
-        last = middle;
-        if unlit > 1e-4 {
-            add_light(v, &m, ray, middle, unlit, blur);
-            unlit = 0.0;
+        // Light what came before, where it is enough or has ended.
+        if optical_depth > 0.0 {
+            if t > piece.end || piece.seen > cloud.lit_at_once {
+                piece = next_piece(v, &m, ray, piece, t);
+            }
+            piece.end = t + length;
+            piece.optical_depth += (1.0 - cloud.chop) * optical_depth;
+            piece.seen += seen;
+            piece.distance += seen * (t + 0.5 * length);
         }
         m.transmittance *= through;
         m.optical_depth += optical_depth;
         if m.transmittance < opaque {
             break;
         }
-        // In clear air step to where matter can begin at the soonest; inside, steps grow.
+        // Inside, steps grow.
         t = select(t + length, stretch.end, t + length >= stretch.end);
-        step = select(wanted * cloud.growth, max(-0.5 * matter.depth, smallest), matter.depth < 0.0);
+        step = select(wanted * cloud.growth, smallest, matter.depth < 0.0);
         if t >= farthest {
             break;
         }
     }
-    if unlit > 0.0 {
-        add_light(v, &m, ray, last, unlit, pixel_footprint(camera, last));
-    }
-    if TRANSPORT != SINGLE || SKY_LIGHT {
+    _ = next_piece(v, &m, ray, piece, piece.end);
+    if TRANSPORT >= DELTA_EDDINGTON || (SKY_LIGHT && TRANSPORT != EMITTER) {
         add_diffuse_light(v, &m, ray);
     }
     if m.transmittance < opaque {
@@ -608,6 +647,13 @@ fn sees_sun_disc(d: vec3f) -> bool {
     return cloud.sun_radius > 0.0 && length(d - cloud.to_sun) < max(cloud.sun_radius, camera.pixel) + camera.pixel;
 }
 
+// Max's emitter (1994, after Sabella 1988): the radiance of an opaque cloud, which is the mean
+// over all directions of the light of sun, sky and ground that falls on it.
+fn emission(v: Varyings, sun: vec3f) -> vec3f {
+    let mean = sun / (4.0 * PI);
+    return select(mean, mean + 0.5 * (v.sky + v.ground), SKY_LIGHT);
+}
+
 // A pixel's light, premultiplied by opacity.
 struct Shade {
     alpha: f32,
@@ -624,9 +670,13 @@ fn shade(v: Varyings) -> Shade {
     let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
     let ray = Ray(cloud.camera + seen_from_camera.origin, seen_from_camera.direction);
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    let u = phase_coordinate(-cloud.to_sun, -ray.direction);
-    let wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
-    let peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+    var wide = vec3f(0.0);
+    var peak = vec3f(0.0);
+    if TRANSPORT != EMITTER {
+        let u = phase_coordinate(-cloud.to_sun, -ray.direction);
+        wide = textureSampleLevel(phase_table, clamped, vec2f(u, 0.25), 0.0).rgb;
+        peak = textureSampleLevel(phase_table, clamped, vec2f(u, 0.75), 0.0).rgb;
+    }
     // Before the sun a little transmittance is much light: look deeper there.
     let opaque = cloud.opaque / (1.0 + 10.0 * peak.g);
     let m = march(v, ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
@@ -647,7 +697,14 @@ fn shade(v: Varyings) -> Shade {
     }
     single *= sun;
     let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
-    let multiple = cloud.albedo * (sun * m.multiple + diffuse);
+    var multiple = cloud.albedo * (sun * m.multiple + diffuse);
+    if TRANSPORT == OCTAVES {
+        let cosine = dot(ray.direction, cloud.to_sun);
+        multiple += cloud.albedo * dot(m.octaves, octave_phases(cloud.asymmetry, cosine)) * sun;
+    }
+    if TRANSPORT == EMITTER {
+        multiple = cloud.albedo * opacity * emission(v, sun);
+    }
     if !AERIAL {
         return Shade(alpha, single, multiple, vec3f(0.0), distance, m.normal);
     }

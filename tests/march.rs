@@ -59,7 +59,7 @@ fn alphas(picture: &Picture) -> Vec<f64> {
 }
 
 fn qualities() -> Vec<Quality> {
-    let odd = Quality { first_step: 0.37, growth: 1.9, opaque: 0.0, sun_samples: 0, ..Quality::DRAFT };
+    let odd = Quality { first_step: 0.37, growth: 1.9, opaque: 0.0, ..Quality::DRAFT };
     [Quality::DRAFT, Quality::PREVIEW, Quality::FINAL]
         .map(|quality| Quality { opaque: 0.0, ..quality })
         .into_iter()
@@ -96,7 +96,7 @@ const EXACT: Quality = Quality {
     growth: 1.0,
     longest_step: 0.001,
     opaque: 0.0,
-    sun_samples: 0,
+
     max_steps: 20_000,
     ..Quality::DRAFT
 };

@@ -221,6 +221,31 @@ fn eddington(x: &[[f64; 4]; 7]) -> f64 {
     (i0 + g * nu * i1).max(0.0)
 }
 
+/// Mean of a function over [0, 1].
+fn mean(f: impl Fn(f64) -> f64) -> f64 {
+    let n = 4000;
+    (0..n).map(|i| f((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n)
+}
+
+/// Mean of the sun's e^{-depth} along a piece of a ray, weighted by what gets through the piece
+/// from there.
+fn sunlight_share(depth: f64, before: f64, after: f64) -> f64 {
+    let through = |share: f64| (-share * depth).exp();
+    mean(|share| through(share) * (-before - share * (after - before)).exp()) / mean(through)
+}
+
+/// The Henyey-Greenstein phase function by its definition: the sum of its Legendre series
+/// (2 l + 1) / (4 pi) g^l P_l.
+fn henyey_greenstein(g: f64, cosine: f64) -> f64 {
+    let (mut before, mut here, mut sum) = (0.0, 1.0, 0.0);
+    for l in 0..200 {
+        let n = f64::from(l);
+        sum += (2.0 * n + 1.0) / (4.0 * PI) * g.powi(l) * here;
+        (before, here) = (here, ((2.0 * n + 1.0) * cosine * here - n * before) / (n + 1.0));
+    }
+    sum
+}
+
 /// Everything of the library but the sky, whose twins are in tests/sky.rs.
 fn twins() -> Vec<Twin> {
     let e = ellipsoids();
@@ -316,16 +341,23 @@ fn twins() -> Vec<Twin> {
         twin(
             "matter_with",
             "density",
-            "let e = make(x); let m = matter_with(Matter(0.01, -3.0), e, ellipsoid_unit(e, x[4].xyz, 1.0), x[6].xy, x[6].z); return vec4f(m.extinction, m.depth, 0.0, 0.0);",
+            "let e = make(x); let m = matter_with(Matter(0.01, -3.0, 7.0), e, ellipsoid_unit(e, x[4].xyz, 1.0), x[6].xy, x[6].z); return vec4f(m.extinction, m.depth, m.steady, 0.0);",
             off_boundary(&e),
             |x| {
                 if unit(x, xyz(x[4]), 1.0).length() >= 1.0 {
-                    return [0.01, -3.0, f64::NAN, f64::NAN];
+                    return [0.01, -3.0, 7.0, f64::NAN];
                 }
                 // Half of what the edge is wider goes outwards.
                 let width = f64::max(x[3][1], x[6][2]);
                 let d = displaced(x, [x[6][0], x[6][1]]) + 0.5 * (width - x[3][1]);
-                [f64::max(0.01, x[2][3] * rise(d / width)), d.max(-3.0), f64::NAN, f64::NAN]
+                let extinction = x[2][3] * rise(d / width);
+                // Steady only where the deepest ellipsoid is also the densest.
+                let steady = match d > -3.0 {
+                    true if extinction >= 0.01 => f64::max(-d, d - width),
+                    false if extinction <= 0.01 => 7.0,
+                    _ => 0.0,
+                };
+                [f64::max(0.01, extinction), d.max(-3.0), steady, f64::NAN]
             },
             1e-3,
             2e-3,
@@ -352,6 +384,24 @@ fn twins() -> Vec<Twin> {
             4e-5,
         ),
         twin(
+            "mean_transmittance",
+            "phase",
+            "return vec4f(mean_transmittance(x[0].x, x[0].y));",
+            grid(&[0.0, 0.3, 9.0], &[0.0, 0.05, 0.3, 0.39, 9.11, 30.0], &[0.0], &[0.0]),
+            |x| one(mean(|share| (-(1.0 - share) * x[0][0] - share * x[0][1]).exp())),
+            1e-4,
+            0.0,
+        ),
+        twin(
+            "sunlight_share",
+            "phase",
+            "return vec4f(sunlight_share(x[0].x, x[0].y, x[0].z));",
+            grid(&[0.0, 1e-3, 0.3, 5.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 4.0, 9.0], &[0.0]),
+            |x| one(sunlight_share(x[0][0], x[0][1], x[0][2])),
+            1e-4,
+            0.0,
+        ),
+        twin(
             "recovered_peak",
             "phase",
             "return vec4f(recovered_peak(x[0].x, x[0].y));",
@@ -364,6 +414,40 @@ fn twins() -> Vec<Twin> {
             },
             1e-4,
             2e-7,
+        ),
+        twin(
+            "octave_phase",
+            "octaves",
+            "return vec4f(octave_phase(x[0].x, x[0].y));",
+            grid(&[-0.5, 0.0, 0.3, 0.73], &[-1.0, -0.2, 0.0, 0.9, 1.0], &[0.0], &[0.0]),
+            |x| one(henyey_greenstein(x[0][0], x[0][1])),
+            1e-5,
+            0.0,
+        ),
+        twin(
+            "octave_phases",
+            "octaves",
+            "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);",
+            grid(&[-0.5, 0.0, 0.73], &[-1.0, 0.0, 0.9, 1.0], &[0.0], &[0.0]),
+            |x| {
+                let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
+                [octave(0.5), octave(0.25), f64::NAN, f64::NAN]
+            },
+            1e-5,
+            0.0,
+        ),
+        twin(
+            "octave_transmittances",
+            "octaves",
+            "return vec4f(octave_transmittances(x[0].x, x[0].y, x[0].z), 0.0, 0.0);",
+            grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]),
+            |x| {
+                let [depth, before, after, _] = x[0];
+                let octave = |n: f64| sunlight_share(depth, n * before, n * after);
+                [octave(0.5), octave(0.25), f64::NAN, f64::NAN]
+            },
+            1e-4,
+            0.0,
         ),
         twin(
             "eddington_beam",

@@ -22,9 +22,12 @@ struct Matter {
     extinction: f32,
     // Largest depth below a displaced boundary, m; negative in clear air.
     depth: f32,
+    // Distance from the deepest such boundary, or from the end of the rise behind it, m: so far
+    // would the extinction stay the same, were there no noise. 0 or less where it changes.
+    steady: f32,
 }
 
-const CLEAR: Matter = Matter(0.0, -1e30);
+const CLEAR: Matter = Matter(0.0, -1e30, 0.0);
 
 // The union grown by one more ellipsoid; `blur` is the width of a pixel, m: edges that
 // it could not show are widened to it, about their middle, so that no matter is lost.
@@ -35,5 +38,9 @@ fn matter_with(matter: Matter, e: Ellipsoid, u: vec3f, noise: vec2f, blur: f32) 
     let width = max(e.rise, blur);
     let depth = displaced_depth(e, ellipsoid_depth(e, u), noise) + 0.5 * (width - e.rise);
     let extinction = e.extinction * smooth_rise(depth / width);
-    return Matter(max(matter.extinction, extinction), max(matter.depth, depth));
+    let deepest = depth > matter.depth;
+    let steady = select(matter.steady, max(-depth, depth - width), deepest);
+    // Something else than the deepest ellipsoid decides.
+    let other = select(extinction > matter.extinction, extinction < matter.extinction, deepest);
+    return Matter(max(matter.extinction, extinction), max(matter.depth, depth), select(steady, 0.0, other));
 }

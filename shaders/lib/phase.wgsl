@@ -23,6 +23,21 @@ fn asin_small(x: f32) -> f32 {
     return y * (1.0 + z * (0.16666667 + z * (0.075 + z * (0.04464286 + tail))));
 }
 
+// Mean of e^{-x} for x between `a` and `b`.
+fn mean_transmittance(a: f32, b: f32) -> f32 {
+    let x = b - a;
+    // The difference of two exponentials loses its digits where they are alike.
+    let series = exp(-0.5 * (a + b)) * (1.0 + x * x / 24.0);
+    let flat = abs(x) < 0.1;
+    return select((exp(-a) - exp(-b)) / select(x, 1.0, flat), series, flat);
+}
+
+// Sunlight that reaches a stretch of a ray, as a mean over what is seen of it through its own
+// optical depth, where the optical depth to the sun goes evenly from `before` to `after`.
+fn sunlight_share(optical_depth: f32, before: f32, after: f32) -> f32 {
+    return mean_transmittance(before, optical_depth + after) / mean_transmittance(0.0, optical_depth);
+}
+
 // Share of the light that was scattered only within the removed forward peak, over an
 // optical depth: (e^{-(1 - chop) tau} - e^{-tau}), the corrected [K 3.66]; to be
 // multiplied by the peak's shape P_peak / f.

@@ -74,8 +74,12 @@ enum QualityName {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum TransportName {
+    /// A cloud that glows evenly and dims what is behind, as Max (1994): no shadows.
+    Emitter,
     /// Single scattering only, and the light of the sky.
     Single,
+    /// Also two octaves of it, as games and films do (Wrenninge 2013, Hillaire 2016).
+    Octaves,
     /// Also multiple scattering, in closed form.
     DeltaEddington,
     /// Multiple scattering from tables of slabs, set of orders by set.
@@ -153,7 +157,9 @@ impl Render {
             QualityName::Final => Quality::FINAL,
         };
         renderer.transport = match self.transport {
+            TransportName::Emitter => Transport::Emitter,
             TransportName::Single => Transport::Single,
+            TransportName::Octaves => Transport::Octaves,
             TransportName::SlabKol => Transport::SlabKol,
             TransportName::SlabBouthors => Transport::SlabBouthors,
             TransportName::DeltaEddington => Transport::DeltaEddington,

@@ -34,8 +34,8 @@ pub struct CloudUniform {
     pub(super) first_step: f32,
     pub(super) growth: f32,
     pub(super) opaque: f32,
-    pub(super) sun_reach: f32,
     pub(super) longest_step: f32,
+    pub(super) lit_at_once: f32,
     pub(super) sun_radius: f32,
     pub(super) similarity: f32,
     pub(super) padding: f32,
@@ -63,13 +63,12 @@ pub(super) struct Variant {
     pub peak: bool,
     pub normals: bool,
     pub absorbing: bool,
-    pub sun_samples: u32,
     pub light_nodes: u32,
     pub max_steps: u32,
 }
 
 impl Variant {
-    pub fn overrides(&self) -> [(&'static str, f64); 13] {
+    pub fn overrides(&self) -> [(&'static str, f64); 12] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -82,7 +81,6 @@ impl Variant {
             ("PEAK", flag(self.peak)),
             ("NORMALS", flag(self.normals)),
             ("ABSORBING", flag(self.absorbing)),
-            ("SUN_SAMPLES", f64::from(self.sun_samples)),
             ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
@@ -148,7 +146,7 @@ impl CloudsPass {
         format: wgpu::TextureFormat,
     ) -> Option<Draw> {
         let uniform = uniform(shared, cloud, light);
-        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids, uniform.sun_reach);
+        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids);
         if cover.tiles.is_empty() {
             return None;
         }
@@ -192,6 +190,7 @@ impl CloudsPass {
 fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Variant {
     // Which way a cloud faces has nothing to do with light.
     let lit = entry != "normals";
+    let emits = lit && shared.transport == Transport::Emitter;
     Variant {
         entry,
         counting: shared.counting || entry == "cost",
@@ -201,17 +200,14 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
         scene_depth: shared.depth.is_some(),
         transport: if lit { shared.transport } else { Transport::Single },
         direct_table: lit && shared.slab.is_direct(),
-        peak: lit && cloud.optics.chop > 0.0,
+        peak: lit && !emits && cloud.optics.chop > 0.0,
         normals: !lit,
         absorbing: cloud.optics.albedo < 1.0,
-        sun_samples: if lit { shared.quality.sun_samples } else { 0 },
         light_nodes: shared.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: shared.quality.max_steps,
     }
 }
 
-/// Lengths over which light is sampled towards the sun, in voxels of the sun's volume.
-const SUN_REACH: f32 = 2.5;
 /// Room for light nodes in the shader.
 const MOST_NODES: u32 = 8;
 
@@ -222,22 +218,25 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
     let nowhere = FieldBox { low: Vec3::ZERO, extent: Vec3::ONE };
     let field = light.moments.as_ref().map_or(nowhere, |moments| moments.field_box);
     let densest = cloud.ellipsoids.iter().fold(1e-6f32, |most, e| most.max(e.extinction));
+    // An emitter scatters nothing: it has no peak to leave out.
+    let emits = shared.transport == Transport::Emitter;
+    let chop = if emits { 0.0 } else { optics.chop };
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
-        chop: optics.chop,
+        chop,
         to_sun: frame.to_sun.as_vec3(),
         asymmetry: optics.asymmetry,
         sun_irradiance: Vec3::from(frame.scene.sun.irradiance.map(|x| x as f32)),
-        albedo: optics.albedo,
+        albedo: if emits { optics.whole_albedo() } else { optics.albedo },
         base: (cloud.origin.y - cloud.half.y - ground) as f32,
         top: (cloud.origin.y + cloud.half.y - ground) as f32,
-        mean_free_path: 1.0 / (densest * (1.0 - optics.chop)),
+        mean_free_path: 1.0 / (densest * (1.0 - chop)),
         aerial_range: shared.aerial_range,
         first_step: shared.quality.first_step,
         growth: shared.quality.growth,
         opaque: shared.quality.opaque,
-        sun_reach: SUN_REACH * light.voxel,
         longest_step: shared.quality.longest_step,
+        lit_at_once: shared.quality.lit_at_once,
         sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
             0.0
         } else {

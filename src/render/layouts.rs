@@ -75,7 +75,7 @@ fn structs_of_rust_and_shaders_agree() {
             "clouds",
             "Cloud",
             layout!(CloudUniform: camera, chop, to_sun, asymmetry, sun_irradiance, albedo, base, top, mean_free_path,
-                aerial_range, first_step, growth, opaque, sun_reach, longest_step, sun_radius, similarity, scene_depth,
+                aerial_range, first_step, growth, opaque, longest_step, lit_at_once, sun_radius, similarity, scene_depth,
                 degrees, field_low, field_scale, sun, sky),
         ),
         (

@@ -138,8 +138,6 @@ struct Key {
 
 /// The prepared light of one cloud.
 pub(super) struct CloudLight {
-    /// Size of a voxel of the sun's volume, m.
-    pub voxel: f32,
     pub sun_box: LightBox,
     pub sky_box: LightBox,
     pub sun_volume: wgpu::TextureView,
@@ -238,7 +236,6 @@ impl LightPass {
         });
         CloudLight {
             moments,
-            voxel: voxel(&sun_key.light_box, inputs.resolution),
             sun_box: sun_key.light_box,
             sky_box: sky_key.as_ref().map_or(sun_key.light_box, |key| key.light_box),
             sun_volume,
@@ -348,11 +345,6 @@ impl LightPass {
             self.mips.dispatch(encoder, &group, [groups, groups, 1], stamps);
         }
     }
-}
-
-/// The finer of a voxel's extents across and along the light, m.
-fn voxel(light_box: &LightBox, resolution: u32) -> f32 {
-    light_box.texel.min(light_box.length / light_box.voxels(resolution)[2] as f32)
 }
 
 fn key(inputs: &Inputs<'_>, cloud: &CloudFrame, along: DVec3, resolution: u32) -> Key {

@@ -114,6 +114,11 @@ impl CloudOptics {
         })
     }
 
+    /// Single-scattering albedo of the medium with its peak.
+    pub fn whole_albedo(&self) -> f32 {
+        self.albedo * (1.0 - self.chop) + self.chop
+    }
+
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> OpticsTextures {
         let upload = |label, width: usize, texels: &[[f16; 4]]| {
             let size = [width as u32, (texels.len() / width) as u32, 0];

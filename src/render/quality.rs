@@ -11,8 +11,8 @@ pub struct Quality {
     pub longest_step: f32,
     /// A ray ends where a smaller share than this gets through.
     pub opaque: f32,
-    /// Density samples towards the sun for each sample of a ray.
-    pub sun_samples: u32,
+    /// What is seen of a ray, from 0 to 1, and has its sunlight found at once, at its two ends.
+    pub lit_at_once: f32,
     /// Points of a ray at which diffuse light is found, 1 to 8.
     pub light_nodes: u32,
     /// Texels across the largest cloud's sun maps and light volume: a power of two.
@@ -32,7 +32,7 @@ impl Quality {
         growth: 1.3,
         longest_step: 0.5,
         opaque: 0.02,
-        sun_samples: 1,
+        lit_at_once: 0.1,
         light_nodes: 2,
         light_resolution: 32,
         light_cells: 16,
@@ -45,7 +45,7 @@ impl Quality {
         growth: 1.15,
         longest_step: 0.3,
         opaque: 0.01,
-        sun_samples: 2,
+        lit_at_once: 0.05,
         light_nodes: 3,
         light_resolution: 64,
         light_cells: 24,
@@ -58,7 +58,7 @@ impl Quality {
         growth: 1.06,
         longest_step: 0.12,
         opaque: 0.003,
-        sun_samples: 4,
+        lit_at_once: 0.03,
         light_nodes: 8,
         light_resolution: 128,
         light_cells: 32,

@@ -28,9 +28,16 @@ pub use pieces::Pieces;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Transport {
+    /// As Max (1994): the cloud glows by itself, as brightly where it is opaque as the mean of
+    /// the light that falls on it, and dims what is behind. No shadows.
+    Emitter,
     /// Sunlight scattered once, and the light of sky and ground.
     Single,
-    /// The same, and sunlight scattered more often as in a slab fitted to the cloud,
+    /// The same, and two octaves of it for sunlight scattered more often, as Wrenninge (2013)
+    /// and Hillaire (2016): each half as bright, half as directed and half as shadowed as the
+    /// one before.
+    Octaves,
+    /// Single scattering, and sunlight scattered more often as in a slab fitted to the cloud,
     /// in the closed form of delta-Eddington.
     DeltaEddington,
     /// The same from tables of slabs: each set of orders of scattering has the slab that fits
@@ -51,14 +58,26 @@ pub enum Transport {
 
 impl Transport {
     /// Names and values.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 8] = [
+        ("emitter", Self::Emitter),
         ("single", Self::Single),
+        ("octaves", Self::Octaves),
         ("delta-eddington", Self::DeltaEddington),
         ("slab", Self::Slab),
         ("slab-kol", Self::SlabKol),
         ("slab-bouthors", Self::SlabBouthors),
         ("moments", Self::Moments),
     ];
+
+    /// Whether the light inside a cloud depends on how open it is, where sky and ground give
+    /// light and where they don't.
+    fn needs_openness(self, sky_lights: bool) -> bool {
+        match self {
+            Self::Emitter | Self::Moments => false,
+            Self::Single | Self::Octaves => sky_lights,
+            _ => true,
+        }
+    }
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -328,11 +347,7 @@ impl Renderer {
                 seed: *seed,
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
-                openness: match self.transport {
-                    Transport::Single => self.sky.lights(),
-                    Transport::Moments => false,
-                    _ => true,
-                },
+                openness: self.transport.needs_openness(self.sky.lights()),
                 moments: (self.transport == Transport::Moments).then_some(self.quality.light_cells),
                 lit_by_sky: self.sky.lights(),
                 timing: self.timing.as_ref(),
@@ -343,11 +358,13 @@ impl Renderer {
         }
     }
 
-    /// Smaller clouds get smaller maps: voxels of about one size in a scene.
+    /// Smaller clouds get smaller maps: voxels of about one size in a scene. What asks for no
+    /// light gets the smallest.
     fn resolution(&self, cloud: &CloudFrame, largest: f64) -> u32 {
         let share = cloud.half.length() / largest.max(1e-6);
         let wanted = (share * f64::from(self.quality.light_resolution)) as u32;
-        wanted.next_power_of_two().clamp(16, self.quality.light_resolution.max(16))
+        let most = if self.transport == Transport::Emitter { 0 } else { self.quality.light_resolution };
+        wanted.next_power_of_two().clamp(16, most.max(16))
     }
 
     /// The clouds in the picture, far ones first.

@@ -33,12 +33,16 @@ impl SlabTextures {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, transport: Transport, table: SlabTable) -> Self {
         let functions = || FunctionTextures::new(device, queue);
         let made = match (transport, table) {
-            (Transport::Single | Transport::DeltaEddington | Transport::Moments, _) => None,
             (Transport::Slab, _) => moments(device, queue).map(Self::Moments),
-            (_, SlabTable::Functions) => functions().map(Self::Functions),
-            (_, SlabTable::Direct) => DirectTextures::new(device, queue)
-                .zip(functions())
-                .map(|(direct, functions)| Self::Direct(direct, functions)),
+            (Transport::SlabKol | Transport::SlabBouthors, SlabTable::Functions) => {
+                functions().map(Self::Functions)
+            }
+            (Transport::SlabKol | Transport::SlabBouthors, SlabTable::Direct) => {
+                DirectTextures::new(device, queue)
+                    .zip(functions())
+                    .map(|(direct, functions)| Self::Direct(direct, functions))
+            }
+            _ => None,
         };
         made.unwrap_or_default()
     }

@@ -26,10 +26,8 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// Covers the picture of `camera`, which is at `eye` in the cloud's frame. The lists
-    /// also name ellipsoids up to `margin` metres away from a tile's rays, which samples
-    /// towards the sun can meet.
-    pub fn new(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform], margin: f32) -> Self {
+    /// Covers the picture of `camera`, which is at `eye` in the cloud's frame.
+    pub fn new(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform]) -> Self {
         let mut cover = Self::default();
         let size = UVec2::new(camera.size[0] as u32, camera.size[1] as u32);
         // A wedge between four planes bounds a part of an equirectangular picture only
@@ -39,12 +37,7 @@ impl Cover {
         for y in (0..size.y).step_by(start.y as usize) {
             for x in (0..size.x).step_by(start.x as usize) {
                 let corner = UVec2::new(x, y);
-                cover.split(
-                    &View { camera, eye, ellipsoids, margin },
-                    corner,
-                    (corner + start).min(size),
-                    &all,
-                );
+                cover.split(&View { camera, eye, ellipsoids }, corner, (corner + start).min(size), &all);
             }
         }
         cover
@@ -55,12 +48,9 @@ impl Cover {
             return;
         }
         let wedge = view.wedge(min, max);
-        let near: Vec<u32> = parents
-            .iter()
-            .copied()
-            .filter(|&i| wedge.reaches(&view.ellipsoids[i as usize], view.margin))
-            .collect();
-        if !near.iter().any(|&i| wedge.reaches(&view.ellipsoids[i as usize], 0.0)) {
+        let near: Vec<u32> =
+            parents.iter().copied().filter(|&i| wedge.reaches(&view.ellipsoids[i as usize])).collect();
+        if near.is_empty() {
             return;
         }
         let size = max - min;
@@ -91,7 +81,6 @@ struct View<'a> {
     camera: &'a CameraUniform,
     eye: Vec3,
     ellipsoids: &'a [EllipsoidUniform],
-    margin: f32,
 }
 
 /// Everything that a rectangle of the picture can see: inside four planes and in front.
@@ -137,9 +126,9 @@ fn widen(planes: [(Vec3A, Vec3A); 4], axis: Vec3A, size: UVec2, picture: [f32; 2
 }
 
 impl Wedge {
-    fn reaches(&self, e: &EllipsoidUniform, margin: f32) -> bool {
+    fn reaches(&self, e: &EllipsoidUniform) -> bool {
         let beyond = |&(normal, point): &(Vec3A, Vec3A)| {
-            (Vec3A::from(e.center) - point).dot(normal) + e.support(normal.into()) + margin < 0.0
+            (Vec3A::from(e.center) - point).dot(normal) + e.support(normal.into()) < 0.0
         };
         self.everything || !(self.planes.iter().any(beyond) || self.front.iter().any(beyond))
     }
@@ -189,7 +178,7 @@ mod tests {
             for eye in eyes.map(DVec3::from) {
                 let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 20.0, projection };
                 let camera = CameraUniform::new(&camera, 0.0, size);
-                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids, 0.0);
+                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids);
                 for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
                     let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
                     let ray = camera.ray(uv);
@@ -213,7 +202,7 @@ mod tests {
         let camera =
             Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
-        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), 0.0);
+        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids());
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();
         assert!((100..8000).contains(&pixels), "{pixels} of two million");
     }
