@@ -391,7 +391,7 @@ fn source_of_moments(p: vec3f, direction: vec3f, depth: f32) -> vec3f {
     return max(vec3f(smooth_part) + beyond, vec3f(0.0));
 }
 
-// Weights of sky, horizon and ground in the source of their light, from their moments.
+// Source of the light of sky and ground, from its moments.
 fn sky_of_moments(p: vec3f, direction: vec3f) -> vec3f {
     count(MAP_READS, 3u);
     let inside = (p - cloud.field_low) * cloud.field_scale;
@@ -416,7 +416,7 @@ struct March {
     octaves: vec2f,
     // Sunlight that other clouds let through to what is seen.
     sunlit: f32,
-    // Sky, horizon, ground.
+    // Weights of sky, horizon and ground; their light where it was solved for.
     diffuse: vec3f,
     // Sum of all weights so far.
     gathered: f32,
@@ -696,7 +696,9 @@ fn shade(v: Varyings) -> Shade {
         single += peak * recovered_peak(m.optical_depth, cloud.chop) * m.sunlit / opacity;
     }
     single *= sun;
-    let diffuse = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
+    // The moments of sky and ground are light; other models have weights of three lights.
+    let weighed = m.diffuse.x * v.sky + m.diffuse.y * v.horizon + m.diffuse.z * v.ground;
+    let diffuse = select(weighed, m.diffuse, TRANSPORT == MOMENTS);
     var multiple = cloud.albedo * (sun * m.multiple + diffuse);
     if TRANSPORT == OCTAVES {
         let cosine = dot(ray.direction, cloud.to_sun);

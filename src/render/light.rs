@@ -12,6 +12,8 @@ use super::{
     moments::{FieldBox, Lights, MomentsPass},
     noise::NoiseFrame,
     optics::CloudOptics,
+    sky::Sky,
+    sky_settings::SkySettings,
 };
 use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
 
@@ -156,7 +158,7 @@ pub(super) struct CloudMoments {
     pub sun: wgpu::TextureView,
     pub sky: wgpu::TextureView,
     sun_key: (Key, Medium),
-    sky_key: Option<Medium>,
+    sky_key: Option<(Medium, Option<SkySettings>)>,
 }
 
 /// What fills a cloud, and on how many cells its light is solved for.
@@ -182,6 +184,7 @@ pub(super) struct Inputs<'a> {
     /// Cells along the longest axis of the grid that light is solved for on, where it is.
     pub moments: Option<u32>,
     pub lit_by_sky: bool,
+    pub sky: &'a Sky,
     pub timing: Option<&'a Timing>,
 }
 
@@ -266,7 +269,8 @@ impl LightPass {
             optics: cloud.optics.clone(),
             cells,
         };
-        let sky_key = inputs.lit_by_sky.then(|| Medium { cells: (cells / 2).max(8), ..medium.clone() });
+        let coarse = Medium { cells: (cells / 2).max(8), ..medium.clone() };
+        let sky_key = inputs.lit_by_sky.then(|| (coarse, inputs.sky.settings()));
         let sun_key = (sun_key.clone(), medium);
         let (mut sun, mut sky) = (None, None);
         if let Some(before) = before {
@@ -280,7 +284,7 @@ impl LightPass {
         };
         let sun = sun.unwrap_or_else(|| solve(Lights::Sun, cells));
         let sky = sky.unwrap_or_else(|| match &sky_key {
-            Some(medium) => solve(Lights::Sky, medium.cells),
+            Some((medium, _)) => solve(Lights::Sky, medium.cells),
             None => view(&volume(inputs.device, "no sky moments", [1, 1, 1])),
         });
         CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky, sun_key, sky_key }

@@ -1,5 +1,6 @@
-//! Moments of the light that is scattered in a cloud, solved for on a grid: the sun's, and
-//! that of sky, horizon and ground. Made only when sun, shape, noise or droplets changed.
+//! Moments of the light that is scattered in a cloud, solved for on a grid: the sun's, per
+//! unit of it, and red, green and blue of sky and ground. Made only when sun, sky, shape, noise
+//! or droplets changed.
 //!
 //! How it works. The medium without its forward peak is told by degrees 0 to 3 of its phase
 //! function; what is left of the peak then, chi_4, is taken as going straight on (delta-M,
@@ -44,13 +45,12 @@ pub struct FieldUniform {
 const LEVELS: usize = 6;
 const PLACES: usize = 8;
 const DIRECTIONS: usize = LEVELS * PLACES;
-/// Lights that come from outside: above, horizon, ground.
-const LIGHTS: u32 = 3;
 /// Fewest cells along an axis.
 const FEWEST: u32 = 6;
 
 /// The programs.
 pub(super) struct MomentsPass {
+    entering: [ComputeProgram; 2],
     medium: ComputeProgram,
     sweep: ComputeProgram,
     start: ComputeProgram,
@@ -134,7 +134,9 @@ impl Level {
 impl MomentsPass {
     pub fn new(device: &wgpu::Device) -> Self {
         let program = |name, overrides: &[_]| ComputeProgram::new(device, name, overrides);
+        let flag = |on: bool| f64::from(u8::from(on));
         Self {
+            entering: [false, true].map(|air| program("moments_entering", &[("ATMOSPHERE", flag(air))])),
             medium: program("moments_medium", &[]),
             sweep: program("moments_sweep", &[]),
             start: program("moments_scatter", &[("FIRST", 1.0)]),
@@ -167,7 +169,7 @@ impl MomentsPass {
             sun_volume: sun.1,
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &ways),
-            entering: gpu::storage_buffer(device, "entering light", &lights.entering(&ways)),
+            entering: gpu::storage_buffer(device, "entering light", &vec![0.0f32; 3 * DIRECTIONS]),
             nothing: Level::dark(device, lights),
         };
         let stamps = inputs.timing.and_then(|timing| timing.compute("moments"));
@@ -186,7 +188,7 @@ impl Lights {
     fn count(self) -> u32 {
         match self {
             Self::Sun => 1,
-            Self::Sky => LIGHTS,
+            Self::Sky => 3,
         }
     }
 
@@ -194,46 +196,60 @@ impl Lights {
     fn blocks(self) -> u32 {
         match self {
             Self::Sun => 4,
-            Self::Sky => LIGHTS,
-        }
-    }
-
-    /// Radiance that comes in along each direction of propagation, for each light. Those of the sky
-    /// add up to 1 from everywhere.
-    fn entering(self, ways: &[Vec4]) -> Vec<f32> {
-        let part: [fn(f32) -> f32; 3] = [
-            |up| ((up - 0.1) / 0.3).clamp(0.0, 1.0),
-            |up| 1.0 - ((up - 0.1) / 0.3).clamp(0.0, 1.0) - ((-up) / 0.17).clamp(0.0, 1.0),
-            |up| ((-up) / 0.17).clamp(0.0, 1.0),
-        ];
-        match self {
-            Self::Sun => vec![0.0; ways.len()],
-            Self::Sky => part.iter().flat_map(|part| ways.iter().map(|way| part(-way.y))).collect(),
+            Self::Sky => 3,
         }
     }
 }
 
-/// Directions of propagation and their weights, which add up to 4 pi: Gauss and Legendre's
-/// levels of height, evenly many places around each. Exact for products of harmonics to degree 3.
-fn directions() -> Vec<Vec4> {
+/// Levels of height, from the top, with their weights, which add up to 2: Gauss and Legendre's.
+fn levels() -> Vec<(f64, f64)> {
     let rule = Quadrature::new(LEVELS);
-    let level = |(k, (x, weight)): (usize, (&f64, &f64))| {
-        let height = 2.0 * x - 1.0;
+    rule.mu.iter().zip(&rule.weight).map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect()
+}
+
+/// Azimuth of place `j` of level `k`, rad; levels are turned against each other.
+fn azimuth(k: usize, j: f64) -> f64 {
+    std::f64::consts::TAU * (j + 0.25 + 0.5 * (k % 2) as f64) / PLACES as f64
+}
+
+/// Directions of propagation and their weights, which add up to 4 pi: evenly many places around
+/// each level. Exact for products of harmonics to degree 3.
+fn directions() -> Vec<Vec4> {
+    let mut ways = Vec::with_capacity(DIRECTIONS);
+    for (k, (height, weight)) in levels().into_iter().enumerate() {
         let around = (1.0 - height * height).sqrt();
-        let weight = 4.0 * std::f64::consts::PI * weight / PLACES as f64;
-        (0..PLACES)
-            .map(|j| {
-                let angle = std::f64::consts::TAU * (j as f64 + 0.25 + 0.5 * (k % 2) as f64) / PLACES as f64;
-                glam::DVec4::new(around * angle.cos(), height, around * angle.sin(), weight).as_vec4()
-            })
-            .collect::<Vec<_>>()
-    };
-    rule.mu.iter().zip(&rule.weight).enumerate().flat_map(level).collect()
+        let share = std::f64::consts::TAU * weight / PLACES as f64;
+        ways.extend((0..PLACES).map(|j| {
+            let angle = azimuth(k, j as f64);
+            glam::DVec4::new(around * angle.cos(), height, around * angle.sin(), share).as_vec4()
+        }));
+    }
+    ways
+}
+
+/// The part of the sphere that each direction's light comes from: sines of elevation and azimuths,
+/// low and high.
+fn patches() -> Vec<[f32; 4]> {
+    let mut patches = Vec::with_capacity(DIRECTIONS);
+    let mut top = 1.0;
+    for (k, (_, weight)) in levels().into_iter().enumerate() {
+        let bottom = top - weight;
+        patches.extend((0..PLACES).map(|j| {
+            let [start, end] = [-0.5, 0.5].map(|half| azimuth(k, j as f64 + half) + std::f64::consts::PI);
+            // Light comes from where it does not go.
+            [-top, -bottom, start, end].map(|x| x as f32)
+        }));
+        top = bottom;
+    }
+    patches
 }
 
 impl Solver<'_> {
     fn run(&self, compute: &mut wgpu::ComputePass<'_>, most: u32) -> wgpu::TextureView {
         let device = self.inputs.device;
+        if self.lights == Lights::Sky {
+            self.enter(compute);
+        }
         let sizes = sizes(most);
         let finest = self.uniform(most);
         let numbers = u64::from(cells(&finest)) * u64::from(self.lights.count()) * DIRECTIONS as u64;
@@ -252,6 +268,17 @@ impl Solver<'_> {
             before = Some(level);
         }
         self.store(compute, before.as_ref())
+    }
+
+    /// Finds the light of sky and ground that comes in.
+    fn enter(&self, compute: &mut wgpu::ComputePass<'_>) {
+        let sky = self.inputs.sky;
+        let program = &self.pass.entering[usize::from(sky.has_atmosphere())];
+        let patches = gpu::storage_buffer(self.inputs.device, "patches of the sky", &patches());
+        let mut resources = sky.sources().map(Some).to_vec();
+        resources.extend([&patches, &self.entering].map(|buffer| Some(buffer.as_entire_binding())));
+        let group = program.bind(self.inputs.device, &resources);
+        program.record(compute, &group, [DIRECTIONS as u32, 1, 1]);
     }
 
     fn uniform(&self, most: u32) -> FieldUniform {
@@ -409,12 +436,18 @@ mod tests {
     }
 
     #[test]
-    fn lights_of_the_sky_add_up_to_one_from_everywhere() {
-        let ways = directions();
-        let entering = Lights::Sky.entering(&ways);
-        for i in 0..ways.len() {
-            let sum: f32 = (0..3).map(|light| entering[light * ways.len() + i]).sum();
-            assert!((sum - 1.0).abs() < 1e-6);
+    fn patches_tile_the_sphere_and_lie_behind_their_directions() {
+        let (ways, patches) = (directions(), patches());
+        let area: f32 = patches.iter().map(|[low, high, start, end]| (high - low) * (end - start)).sum();
+        assert!((area - 4.0 * std::f32::consts::PI).abs() < 1e-4);
+        for (way, [low, high, start, end]) in ways.iter().zip(&patches) {
+            let azimuth = 0.5 * (start + end);
+            let around = (1.0 - way.y * way.y).sqrt();
+            assert!(*low < -way.y && -way.y < *high);
+            assert!((around * azimuth.cos() + way.x).abs() < 1e-5);
+            assert!((around * azimuth.sin() + way.z).abs() < 1e-5);
+            // Its weight is its solid angle.
+            assert!(((high - low) * (end - start) - way.w).abs() < 1e-5);
         }
     }
 }

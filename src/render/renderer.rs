@@ -350,6 +350,7 @@ impl Renderer {
                 openness: self.transport.needs_openness(self.sky.lights()),
                 moments: (self.transport == Transport::Moments).then_some(self.quality.light_cells),
                 lit_by_sky: self.sky.lights(),
+                sky: &self.sky,
                 timing: self.timing.as_ref(),
             };
             let kept = before.next().flatten();

@@ -86,6 +86,8 @@ impl Fill {
 /// The tables of an atmosphere, made when a scene first has one.
 struct Tables {
     transmittance: TextureView,
+    multiple: TextureView,
+    ground: TextureView,
     sky_view: TextureView,
     aerial: TextureView,
     fill_atmosphere: [Fill; 3],
@@ -149,6 +151,8 @@ impl Tables {
             fill_sky_light,
             fill_aerial,
             transmittance,
+            multiple,
+            ground,
             sky_view,
             aerial,
         }
@@ -321,6 +325,27 @@ impl Sky {
         ];
         let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
         Background { kind, format, pipeline, group }
+    }
+
+    /// What the radiance of sky and ground is found from, in the order of the bindings of
+    /// `sky_light`; without an atmosphere single texels stand in for its tables.
+    pub(super) fn sources(&self) -> [wgpu::BindingResource<'_>; 5] {
+        let tables = self.tables.as_ref().filter(|_| self.has_atmosphere());
+        let [transmittance, multiple, ground] = tables.map_or([&self.white; 3], |tables| {
+            [&tables.transmittance, &tables.multiple, &tables.ground]
+        });
+        [
+            self.sky_uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(transmittance),
+            wgpu::BindingResource::TextureView(multiple),
+            wgpu::BindingResource::TextureView(ground),
+            wgpu::BindingResource::Sampler(&self.sampler),
+        ]
+    }
+
+    /// What was last prepared, as far as light on clouds depends on it.
+    pub(super) fn settings(&self) -> Option<SkySettings> {
+        self.made.map(|made| made.settings)
     }
 
     /// Draws what was last prepared over the whole of `target`, with alpha 1.
