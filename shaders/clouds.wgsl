@@ -376,19 +376,13 @@ fn diffuse_weights(p: vec3f) -> vec3f {
 // Source of sunlight scattered more than once, per unit of irradiance: the solved moments,
 // and what they leave out, which follows from the optical depth to the sun.
 fn source_of_moments(p: vec3f, direction: vec3f, depth: f32) -> vec3f {
-    count(MAP_READS, 5u);
+    count(MAP_READS, 2u);
     let inside = (p - cloud.field_low) * cloud.field_scale;
     let after = -direction;
-    let layers = f32(textureDimensions(slab_volume).z);
-    let low = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 0u, 4u), 0.0);
-    let square = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 1u, 4u), 0.0);
-    let mixed = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 2u, 4u), 0.0);
-    let cubic = textureSampleLevel(slab_volume, clamped, field_coordinate(inside, layers, 3u, 4u), 0.0);
-    let smooth_part = dot(low, harmonics_low(after)) + dot(square, harmonics_square(after))
-        + dot(mixed, harmonics_mixed(after)) + dot(cubic, harmonics_cubic(after));
+    let solved = dot(textureSampleLevel(slab_volume, clamped, inside, 0.0), harmonics_low(after));
     let at = vec2f(phase_coordinate(-cloud.to_sun, after), slab_path_coordinate(depth));
     let beyond = textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
-    return max(vec3f(smooth_part) + beyond, vec3f(0.0));
+    return max(vec3f(solved) + beyond, vec3f(0.0));
 }
 
 // Source of the light of sky and ground, from its moments.

@@ -37,7 +37,7 @@ pub struct Render {
     #[arg(long, value_enum, default_value_t = QualityName::Final)]
     quality: QualityName,
     /// How light inside clouds is found.
-    #[arg(long, value_enum, default_value_t = TransportName::Slab)]
+    #[arg(long, value_enum, default_value_t = TransportName::Moments)]
     transport: TransportName,
     /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
     #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
@@ -163,9 +163,9 @@ impl Render {
             TransportName::SlabKol => Transport::SlabKol,
             TransportName::SlabBouthors => Transport::SlabBouthors,
             TransportName::DeltaEddington => Transport::DeltaEddington,
-            TransportName::Moments => Transport::Moments,
+            TransportName::Slab => Transport::Slab,
             // What is drawn beside a path traced picture has no clouds.
-            TransportName::Slab | TransportName::Path => Transport::Slab,
+            TransportName::Moments | TransportName::Path => Transport::Moments,
         };
         renderer.slab_table = match self.slab_table {
             SlabTableName::Functions => SlabTable::Functions,

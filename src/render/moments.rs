@@ -8,7 +8,8 @@
 //! its moments are the source of the next round of scattering (`moments_scatter`). Rounds on
 //! a coarse field are cheap and carry light far; each finer field begins with the moments
 //! of the one before, so that few rounds are needed there. What the cloud shader takes is a
-//! texture of the moments times those of the phase function, `moments_store`. What went
+//! texture of the moments of degree 0 and 1 times those of the phase function, `moments_store`:
+//! with 48 directions the higher ones are told worse than by the small-angle limit. What went
 //! straight on or was scattered by small angles is not in them: it follows from the optical
 //! depth to the sun alone and comes on top at each point, finer than any grid.
 //!
@@ -192,13 +193,6 @@ impl Lights {
         }
     }
 
-    /// Fields that the texture stacks.
-    fn blocks(self) -> u32 {
-        match self {
-            Self::Sun => 4,
-            Self::Sky => 3,
-        }
-    }
 }
 
 /// Levels of height, from the top, with their weights, which add up to 2: Gauss and Legendre's.
@@ -369,7 +363,7 @@ impl Solver<'_> {
             device,
             &TextureDesc {
                 label: "moments",
-                size: [size.x, size.y, size.z * self.lights.blocks()],
+                size: [size.x, size.y, size.z * self.lights.count()],
                 mips: 1,
                 format: wgpu::TextureFormat::Rgba16Float,
                 usage: wgpu::TextureUsages::STORAGE_BINDING,
@@ -388,7 +382,7 @@ impl Solver<'_> {
                 ],
             );
             let count = cells(&level.uniform);
-            self.pass.store.record(compute, &group, [count.div_ceil(64), self.lights.blocks(), 1]);
+            self.pass.store.record(compute, &group, [count.div_ceil(64), self.lights.count(), 1]);
         }
         view
     }

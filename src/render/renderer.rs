@@ -43,7 +43,6 @@ pub enum Transport {
     /// The same from tables of slabs: each set of orders of scattering has the slab that fits
     /// the cloud over the spread of its light, and light that keeps its direction but for
     /// small angles is told apart.
-    #[default]
     Slab,
     /// As Kol (2013): one slab at one point of a ray, for all orders, from the sun maps at one
     /// level of detail everywhere.
@@ -53,6 +52,7 @@ pub enum Transport {
     SlabBouthors,
     /// From moments of the light in the cloud, solved for on a grid, and light that keeps
     /// its direction but for small angles in closed form.
+    #[default]
     Moments,
 }
 
@@ -348,7 +348,7 @@ impl Renderer {
                 to_sun: frame.to_sun,
                 resolution: self.resolution(cloud, largest),
                 openness: self.transport.needs_openness(self.sky.lights()),
-                moments: (self.transport == Transport::Moments).then_some(self.quality.light_cells),
+                moments: (self.transport == Transport::Moments).then(|| self.cells(cloud, largest)),
                 lit_by_sky: self.sky.lights(),
                 sky: &self.sky,
                 timing: self.timing.as_ref(),
@@ -366,6 +366,13 @@ impl Renderer {
         let wanted = (share * f64::from(self.quality.light_resolution)) as u32;
         let most = if self.transport == Transport::Emitter { 0 } else { self.quality.light_resolution };
         wanted.next_power_of_two().clamp(16, most.max(16))
+    }
+
+    /// Cells of the grid that light is solved for on: of about one size in a scene, too.
+    fn cells(&self, cloud: &CloudFrame, largest: f64) -> u32 {
+        let most = self.quality.light_cells.clamp(8, 64);
+        let share = cloud.half.length() / largest.max(1e-6);
+        ((share * f64::from(most)).ceil() as u32).clamp(8, most)
     }
 
     /// The clouds in the picture, far ones first.

@@ -101,12 +101,12 @@ pub fn remainder_moments(medium: &Medium, path: f64) -> Vec<f64> {
     medium.chi.iter().enumerate().map(term).collect()
 }
 
-/// The same beyond a grid that holds degrees 0 to 3 of the light scattered at least once,
+/// The same beyond a grid that holds degrees 0 and 1 of the light scattered at least once,
 /// where the share `ahead` of the extinction is taken as going straight on: of those degrees
 /// what went straight on is left.
 pub fn moments_beyond(medium: &Medium, ahead: f64, path: f64) -> Vec<f64> {
     let term = |(l, &chi): (usize, &f64)| {
-        let kept = if l <= 3 { ahead } else { chi };
+        let kept = if l < 2 { ahead } else { chi };
         let light = (-path * (1.0 - kept)).exp() * -(-path * kept).exp_m1();
         (2.0 * l as f64 + 1.0) / (4.0 * PI) * chi * light
     };
