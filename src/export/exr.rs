@@ -1,8 +1,11 @@
-//! OpenEXR, half floats, linear, colours multiplied by alpha as the format asks.
+//! OpenEXR, linear, colours multiplied by alpha as the format asks.
 
-use std::{io, path::Path};
+use std::{collections::HashMap, io, path::Path};
 
-use exr::prelude::{self as openexr, WritableImage};
+use exr::{
+    meta::attribute::AttributeValue,
+    prelude::{self as openexr, WritableImage},
+};
 use half::f16;
 
 use super::Picture;
@@ -13,19 +16,7 @@ use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
 /// # Errors
 /// [`crate::Error::File`] when the file can't be written.
 pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
-    write_channels(path, picture, &channels("", picture))
-}
-
-/// Writes a path traced picture and the standard error of each of its channels.
-///
-/// # Errors
-/// [`crate::Error::File`] when the file can't be written.
-pub fn write_estimate(path: &Path, picture: &Picture, error: &[[f32; 3]]) -> Result<()> {
-    let mut list = channels("", picture);
-    for (i, name) in ["error.R", "error.G", "error.B"].into_iter().enumerate() {
-        list.push((name.to_owned(), error.iter().map(|error| error[i]).collect()));
-    }
-    write_channels(path, picture, &list)
+    write_channels(path, picture, &channels("", picture), Attributes::new())
 }
 
 /// Writes the beauty and the layers that it is the sum of:
@@ -52,7 +43,7 @@ pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers, transparent: bool, 
     for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
         list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
     }
-    write_channels(path, &sky, &list)
+    write_channels(path, &sky, &list, Attributes::new())
 }
 
 /// Distance in metres; a cloud that hides less than a thousandth is none.
@@ -73,7 +64,7 @@ fn beauty(sky: &Picture, light: &[&Picture; 3], transparent: bool) -> Picture {
     Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
 }
 
-fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
+pub(super) fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
     let name =
         |channel: &str| if layer.is_empty() { channel.to_owned() } else { format!("{layer}.{channel}") };
     ["R", "G", "B", "A"]
@@ -83,10 +74,21 @@ fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
         .collect()
 }
 
-/// Colours as half floats; depths, which half floats can't hold, as floats.
-fn write_channels(path: &Path, size: &Picture, list: &[(String, Vec<f32>)]) -> Result<()> {
+/// What a file tells beside its pixels.
+pub(super) type Attributes = HashMap<openexr::Text, AttributeValue>;
+
+/// Layers that half floats can't hold: depths, and what is added to later.
+const FLOATS: [&str; 3] = ["depth.", "cloud.", "error."];
+
+/// Colours as half floats, [`FLOATS`] as floats.
+pub(super) fn write_channels(
+    path: &Path,
+    size: &Picture,
+    list: &[(String, Vec<f32>)],
+    attributes: Attributes,
+) -> Result<()> {
     let channels = list.iter().map(|(name, values)| {
-        let samples = if name.ends_with('Z') && name.starts_with("depth") {
+        let samples = if FLOATS.iter().any(|layer| name.starts_with(layer)) {
             openexr::FlatSamples::F32(values.clone())
         } else {
             openexr::FlatSamples::F16(values.iter().map(|&value| f16::from_f32(value)).collect())
@@ -95,7 +97,7 @@ fn write_channels(path: &Path, size: &Picture, list: &[(String, Vec<f32>)]) -> R
     });
     let layer = openexr::Layer::new(
         (size.width, size.height),
-        openexr::LayerAttributes::named("nephos"),
+        openexr::LayerAttributes { other: attributes, ..openexr::LayerAttributes::named("nephos") },
         openexr::Encoding::SMALL_LOSSLESS,
         openexr::AnyChannels::sort(channels.collect()),
     );
