@@ -46,8 +46,9 @@ pub(crate) const SUM_FLOATS: usize = 8;
 /// Time that one dispatch should take, s: short enough for a window to be drawn in between, long
 /// enough not to be lost in waiting.
 const PIECE: f64 = 0.075;
-/// Loop rounds of the first dispatch, and the least and the most of any.
-const ROUNDS: [u32; 3] = [32, 4, 1 << 16];
+/// Loop rounds of the first dispatch and the least, which is worth to load and store the paths, and
+/// the most. Large pictures without a graphics card take longer than [`PIECE`] for that.
+const ROUNDS: [u32; 2] = [32, 1 << 16];
 /// Workgroups that one row of a dispatch may have.
 const MOST_GROUPS: u32 = 65535;
 /// Cells of the grid, about.
@@ -138,7 +139,7 @@ impl PathTracer {
         let device = &gpu.device;
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
-        let lanes = options.lanes.unwrap_or_else(|| lanes(pixels)).max(1);
+        let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
         let program = ComputeProgram::new(device, "path", &options.overrides(sky.has_atmosphere(), lanes));
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
@@ -286,13 +287,14 @@ fn moments(sum: &[f32; SUM_FLOATS], count: f64) -> Moments {
 /// that it takes about [`PIECE`].
 fn paced(rounds: u32, seconds: f64) -> u32 {
     let factor = (PIECE / seconds.max(1e-6)).clamp(0.25, 4.0);
-    ((f64::from(rounds) * factor) as u32).clamp(ROUNDS[1], ROUNDS[2])
+    ((f64::from(rounds) * factor) as u32).clamp(ROUNDS[0], ROUNDS[1])
 }
 
 /// Threads of each pixel: more for small pictures, so that they fill a graphics card. A power of two.
-fn lanes(pixels: u32) -> u32 {
-    const THREADS: u32 = 1 << 18;
-    1 << (THREADS / pixels.max(1)).clamp(1, 8).ilog2()
+/// Adapters without one are full sooner, and then only have more paths to load and store.
+fn lanes(pixels: u32, gpu: &Gpu) -> u32 {
+    let threads: u32 = if gpu.adapter.kind == "Cpu" { 1 << 13 } else { 1 << 18 };
+    1 << (threads / pixels.max(1)).clamp(1, 8).ilog2()
 }
 
 /// The tables of the frame's sky.
@@ -340,7 +342,7 @@ mod tests {
         assert_eq!(paced(512, 2.0 * PIECE), 256);
         assert_eq!(paced(512, 0.5 * PIECE), 1024);
         assert_eq!(paced(512, 0.01 * PIECE), 2048);
-        assert_eq!(paced(4, 100.0), ROUNDS[1]);
+        assert_eq!(paced(64, 100.0), ROUNDS[0]);
     }
 
     #[test]
