@@ -1,7 +1,7 @@
 // Truth: unbiased light transport by Monte Carlo over the very density that the clouds
 // are drawn with. Null-collision (delta) tracking with a majorant for each cell of a
 // grid, next-event estimation to the sun's disc through ratio tracking, Mie scattering
-// sampled from its table, Russian roulette late. Some threads a pixel, each with samples of its
+// sampled from its table, Russian roulette on paths that carry little. Some threads a pixel, each with samples of its
 // own; their paths are kept between dispatches, so that each does a bounded amount of work.
 //
 // Mie scattering has a peak some thousand times as high as its flank, so that a path which
@@ -10,7 +10,7 @@
 // ways are weighted by what both together would have chosen (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use atmosphere camera density noise path_random
+// @use atmosphere camera density noise path_random phase
 
 struct Scene {
     // Least corner of the grid relative to the scene's origin, m; the scene's origin is
@@ -19,7 +19,7 @@ struct Scene {
     // Edge of a cell, m.
     cell: f32,
     size: vec3u,
-    // Samples that each pixel shall have.
+    // Samples that each pixel shall have from here.
     samples: u32,
     // The camera's position, m from the scene's origin.
     camera: vec3f,
@@ -30,6 +30,11 @@ struct Scene {
     sun_irradiance: vec3f,
     // Altitude of the scene's origin above the ground, m.
     altitude: f32,
+    // Samples that each pixel has from elsewhere: the next one has this number.
+    first: u32,
+    // Steps of one thread in one dispatch.
+    rounds: u32,
+    padding: vec2u,
 }
 
 struct Cell {
@@ -52,7 +57,8 @@ struct Path {
     shadow: f32,
     // Phase function times irradiance, for when the sun is reached.
     light: vec3f,
-    sample: u32,
+    // Samples that this thread has finished.
+    taken: u32,
     // What the path has scattered, over the density with which its channel chose it.
     throughput: vec3f,
     collisions: u32,
@@ -61,10 +67,11 @@ struct Path {
     medium: u32,
     // Light of this sample so far.
     gathered: vec3f,
-    padding: u32,
+    // The channel that chooses the directions.
+    channel: u32,
     // Where the shadow ray began.
     origin: vec3f,
-    padding_y: u32,
+    padding: u32,
 }
 
 // Welford's running mean and sum of squared differences.
@@ -80,16 +87,12 @@ const TRACK: u32 = 1u;
 const SHADOW: u32 = 2u;
 const DONE: u32 = 3u;
 
-// Steps of one thread in one dispatch.
-override BUDGET: u32 = 1024u;
 override ATMOSPHERE: bool = true;
-// Threads of one pixel: thread i has samples i, i + LANES, ...
+// Threads of one pixel: thread i has samples i, i + LANES, ... of `Scene::samples`.
 override LANES: u32 = 1u;
-// Collisions before Russian roulette, and the chance to survive each one after them.
-override ROULETTE_AFTER: u32 = 256u;
-override SURVIVAL: f32 = 0.95;
-// Least share of directions that are drawn around the sun, at the first collisions; later
-// ones have less of it, so that what all of them take from a path stays bounded.
+// Least share of directions that are drawn around the sun, at the first collisions; later ones
+// have less of it, so that what all of them take from a path stays bounded. 0 leaves all
+// directions to the phase function.
 override TO_SUN: f32 = 0.05;
 // Paths that carry less than this are ended by chance.
 override FAINT: f32 = 0.05;
@@ -122,13 +125,14 @@ fn draw() -> f32 {
     return x;
 }
 
-// The channel that chooses the directions of a path.
-fn channel_of(path: ptr<function, Path>) -> u32 {
-    return ((*path).sample / LANES) % 3u;
+// The sample that a thread is at, of those that its pixel shall have.
+fn sample_of(path: ptr<function, Path>, index: u32) -> u32 {
+    return index % LANES + LANES * (*path).taken;
 }
 
 // A medium in `phase_tables`: its albedo, then for each channel the phase function over
-// the coordinate of its angle, then the angle below which a share of light is scattered.
+// the coordinate of its angle, then the angle below which a share of light is scattered,
+// over the coordinate of that share.
 const ANGLES: u32 = 4096u;
 const MEDIUM: u32 = 1u + 6u * ANGLES;
 
@@ -140,18 +144,23 @@ fn table_at(base: u32, x: f32) -> f32 {
 
 // Phase function between two directions of propagation, three channels, 1/sr.
 fn phase(medium: u32, before: vec3f, after: vec3f) -> vec3f {
-    let forward = 2.0 * asin(min(0.5 * length(after - before), 1.0));
-    let backward = 2.0 * asin(min(0.5 * length(after + before), 1.0));
-    let half = sqrt(0.5 * min(forward, backward) / PI);
-    let x = select(1.0 - half, half, forward < backward);
+    let x = phase_coordinate(before, after);
     let base = MEDIUM * medium + 1u;
     return vec3f(table_at(base, x), table_at(base + ANGLES, x), table_at(base + 2u * ANGLES, x));
 }
 
 // A direction after scattering, chosen by one channel.
 fn scattered(medium: u32, channel: u32, before: vec3f) -> vec3f {
-    let angle = table_at(MEDIUM * medium + 1u + (3u + channel) * ANGLES, draw());
+    let x = share_coordinate(draw());
+    let angle = table_at(MEDIUM * medium + 1u + (3u + channel) * ANGLES, x);
     return turned(before, angle, 6.2831853 * draw());
+}
+
+// Where in its table a share of the light is: at both ends the square root of what is left, so
+// that angles there, which grow like that root, are linear in it.
+fn share_coordinate(share: f32) -> f32 {
+    let half = sqrt(0.5 * min(share, 1.0 - share));
+    return select(1.0 - half, half, share < 0.5);
 }
 
 // `d` turned by an angle, in a direction about it that `azimuth` chooses.
@@ -266,7 +275,10 @@ fn sky_from(direction: vec3f) -> vec3f {
 }
 
 fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
-    random_state = hash_random(index / LANES, (*path).sample + index % LANES, scene.seed);
+    let number = scene.first + sample_of(path, index);
+    // Channels take turns from one that the pixel draws, so that none is preferred.
+    (*path).channel = (number + hash_random(index / LANES, 0xffffffffu, scene.seed)) % 3u;
+    random_state = hash_random(index / LANES, number, scene.seed);
     let offset = vec2f(draw(), draw());
     let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
     let origin = scene.camera + ray.origin;
@@ -285,17 +297,20 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
 }
 
 fn finish(path: ptr<function, Path>, index: u32) {
-    let sample = (*path).sample;
     let hit = select(0.0, 1.0, (*path).collisions > 0u);
     var sum = sums[index];
     let difference = (*path).gathered - sum.mean;
-    let n = f32(sample / LANES + 1u);
+    let n = f32((*path).taken + 1u);
     sum.mean += difference / n;
     sum.squares += difference * ((*path).gathered - sum.mean);
     sum.alpha += (hit - sum.alpha) / n;
     sums[index] = sum;
-    (*path).sample = sample + LANES;
-    (*path).mode = select(START, DONE, sample + LANES + index % LANES >= scene.samples);
+    (*path).taken += 1u;
+    (*path).mode = start_or_done(path, index);
+}
+
+fn start_or_done(path: ptr<function, Path>, index: u32) -> u32 {
+    return select(DONE, START, sample_of(path, index) < scene.samples);
 }
 
 // What a path carries, its three ways to be chosen weighed together.
@@ -325,12 +340,12 @@ fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
 fn share_to_sun(path: ptr<function, Path>) -> f32 {
     let toward = phase((*path).medium, (*path).direction, scene.to_sun).y;
     let least = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
-    return max(least, toward / (toward + 1.0));
+    return select(0.0, max(least, toward / (toward + 1.0)), TO_SUN > 0.0);
 }
 
 // Chooses where to go on from a collision: around the path or around the sun.
 fn choose_direction(path: ptr<function, Path>) {
-    let channel = channel_of(path);
+    let channel = (*path).channel;
     let medium = (*path).medium;
     let before = (*path).direction;
     let share = share_to_sun(path);
@@ -344,12 +359,13 @@ fn choose_direction(path: ptr<function, Path>) {
     (*path).choice *= chances / chance;
 }
 
-// Russian roulette: on paths that carry little, and on all that are long.
+// Russian roulette on paths that carry little. Long ones that have lost nothing go on: ending
+// them with a chance above that of leaving the cloud would put all of their light, percents of
+// a thick cloud's, on paths too rare to be seen.
 fn roulette(path: ptr<function, Path>) {
     let light = carried(path);
     let most = max(light.x, max(light.y, light.z));
-    let late = select(1.0, SURVIVAL, (*path).collisions >= ROULETTE_AFTER);
-    let survival = select(late, min(late, 0.25), most < FAINT && !near_sun(path));
+    let survival = select(1.0, 0.25, most < FAINT && !near_sun(path));
     if draw() >= survival {
         (*path).throughput = vec3f(0.0);
     }
@@ -363,7 +379,7 @@ fn near_sun(path: ptr<function, Path>) -> bool {
 // Cosine of 8 degrees.
 const NEAR_SUN: f32 = 0.99;
 
-// The sun was reached or is hidden: go on where the collision was.
+// The sun was reached, or is hidden or dark: go on where the collision was.
 fn scatter(path: ptr<function, Path>, index: u32) {
     (*path).position = (*path).origin;
     (*path).mode = TRACK;
@@ -380,6 +396,7 @@ fn advance(path: ptr<function, Path>, index: u32) {
     let step = track((*path).position, direction);
     (*path).position = step.position;
     let share = select(0.0, step.point.extinction / max(step.majorant, 1e-20), step.tentative);
+    var seen = false;
     if is_shadow {
         (*path).shadow *= 1.0 - share;
         // Roulette on what hardly counts keeps its mean.
@@ -388,10 +405,8 @@ fn advance(path: ptr<function, Path>, index: u32) {
             hidden = hidden || draw() < 0.5;
             (*path).shadow *= 2.0;
         }
-        if step.outside || hidden {
-            (*path).gathered += select(carried(path) * (*path).light * (*path).shadow, vec3f(0.0), hidden);
-            scatter(path, index);
-        }
+        seen = step.outside || hidden;
+        (*path).gathered += select(vec3f(0.0), carried(path) * (*path).light * (*path).shadow, seen && !hidden);
     } else if step.outside {
         if (*path).collisions > 0u {
             (*path).gathered += carried(path) * sky_from((*path).direction);
@@ -399,6 +414,10 @@ fn advance(path: ptr<function, Path>, index: u32) {
         finish(path, index);
     } else if step.tentative && draw() < share {
         collide(path, step.position, step.point.medium);
+        seen = all((*path).light <= vec3f(0.0));
+    }
+    if seen {
+        scatter(path, index);
     }
 }
 
@@ -413,13 +432,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     var path = paths[index];
     random_state = path.random;
-    if path.mode == DONE && path.sample + index % LANES < scene.samples {
-        path.mode = START;
-    } else if path.mode == START && path.sample >= scene.samples {
-        // There are fewer samples than threads.
-        path.mode = DONE;
+    if path.mode == START || path.mode == DONE {
+        path.mode = start_or_done(&path, index);
     }
-    for (var i = 0u; i < BUDGET; i++) {
+    for (var i = 0u; i < scene.rounds; i++) {
         if path.mode == START {
             start(&path, vec2u(pixel % width, pixel / width), index);
         } else if path.mode == DONE {

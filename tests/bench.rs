@@ -22,7 +22,7 @@ fn entry(name: &str) -> Entry {
 
 fn reference(entry: &Entry, samples: u32) -> Reference {
     let limits = Limits { noise: 0.0, samples, time: Duration::from_secs(600) };
-    Reference::trace(gpu(), &entry.scene(), 1, &limits, &mut |_| ()).unwrap()
+    Reference::trace(gpu(), &entry.scene(), 1, &limits, None, &mut |_| ()).unwrap()
 }
 
 /// Relative RMSE of `scene`, drawn by `model`, against `reference`.
@@ -60,7 +60,7 @@ fn references_are_as_far_apart_as_their_standard_errors_say() {
     let entry = entry("sphere-side");
     let limits = Limits { noise: 0.0, samples: 96, time: Duration::from_secs(600) };
     let [a, b] =
-        [1, 2].map(|seed| Reference::trace(gpu(), &entry.scene(), seed, &limits, &mut |_| ()).unwrap());
+        [1, 2].map(|seed| Reference::trace(gpu(), &entry.scene(), seed, &limits, None, &mut |_| ()).unwrap());
     let (mut squares, mut variance) = (0.0, 0.0);
     for i in a.cloud() {
         squares += (light(&a.picture.pixels[i]) - light(&b.picture.pixels[i])).powi(2);

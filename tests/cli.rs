@@ -200,17 +200,78 @@ fn output_through_a_link_goes_where_the_link_points() {
     assert!(!fs::metadata("/dev/null").unwrap().is_file());
 }
 
+/// Pixels of some channels of an EXR file, channel by channel.
+fn exr_channels(path: &str, names: &[&str]) -> Vec<Vec<f32>> {
+    let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
+    let list = &image.layer_data.channel_data.list;
+    let values = |name: &&str| {
+        let found = list.iter().find(|channel| channel.name == **name);
+        found.unwrap_or_else(|| panic!("no channel {name}")).sample_data.values_as_f32().collect()
+    };
+    names.iter().map(values).collect()
+}
+
+const TRACED: [&str; 11] =
+    ["R", "G", "B", "A", "cloud.R", "cloud.G", "cloud.B", "cloud.A", "error.R", "error.G", "error.B"];
+
 #[test]
-fn path_tracing_writes_its_error_beside_the_picture() {
-    use exr::prelude::*;
+fn a_path_traced_picture_that_was_resumed_is_the_one_made_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let (picture, _) = render_small(&folder, "truth.exr", "--width 16 --height 9 --transport path --spp 9");
-    let image = read_first_flat_layer_from_file(&picture).unwrap();
-    let names: Vec<_> =
-        image.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
-    for name in ["R", "G", "B", "A", "error.R", "error.G", "error.B"] {
-        assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
+    let words =
+        |samples: u32| format!("--width 16 --height 9 --transport path --json --resume --spp {samples}");
+    let told_samples = |(_, report): &(String, String)| {
+        serde_json::from_str::<serde_json::Value>(report).unwrap()["samples"].as_u64().unwrap()
+    };
+    let whole = render_small(&folder, "whole.exr", &words(24));
+    let part = render_small(&folder, "part.exr", &words(9));
+    assert_eq!(told_samples(&part), 9);
+    let part = render_small(&folder, "part.exr", &words(24));
+    assert_eq!((told_samples(&whole), told_samples(&part)), (24, 24));
+    for ((a, b), name) in
+        exr_channels(&whole.0, &TRACED).iter().zip(exr_channels(&part.0, &TRACED)).zip(TRACED)
+    {
+        for (a, b) in a.iter().zip(b) {
+            // Half floats of the beauty, rounding of the others.
+            assert!((a - b).abs() <= 2e-3 * a.abs() + 1e-6, "{name}: {a} {b}");
+        }
     }
+    // What is good enough already stays as it is.
+    assert_eq!(told_samples(&render_small(&folder, "part.exr", &words(12))), 24);
+}
+
+#[test]
+fn path_tracing_ends_by_noise_or_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let report = |words: &str| -> serde_json::Value {
+        let words = format!("--width 16 --height 9 --transport path --json {words}");
+        serde_json::from_str(&render_small(&folder, "truth.png", &words).1).unwrap()
+    };
+    let noise = report("--noise 0.2");
+    assert!(noise["noise"].as_f64().unwrap() <= 0.2 && noise["samples"].as_u64().unwrap() >= 24);
+    assert!(report("--seconds 0.5")["samples"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn only_the_same_picture_is_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = "--width 8 --height 8 --transport path --spp 3";
+    let (picture, _) = render_small(&folder, "truth.exr", words);
+    let [scene, other, half] = ["scene.json", "other.json", "half.exr"].map(|name| in_folder(&folder, name));
+    fs::write(&other, SMALL.replace("70", "71")).unwrap();
+    let complain = |scene: &str, picture: &str, words: &str, fragment: &str| {
+        let mut all = vec!["render", scene, "-o", picture];
+        all.extend(words.split_whitespace());
+        let text = complaint(&all, 1);
+        assert!(text.contains(fragment), "{text}");
+    };
+    let path = "--width 8 --height 8 --transport path --resume";
+    complain(&other, &picture, path, "is a picture of another scene");
+    complain(&scene, &picture, "--width 8 --height 9 --transport path --resume", "has 8x8 pixels, not 8x9");
+    render_small(&folder, "half.exr", "--width 8 --height 8 --quality draft");
+    complain(&scene, &half, path, "no path traced picture");
+    complain(&scene, &in_folder(&folder, "truth.png"), path, "ends in .exr");
+    complain(&scene, &picture, "--resume", "--resume is for --transport path");
+    complain(&scene, &picture, "--noise 0.1", "--noise is for --transport path");
 }
 
 #[test]

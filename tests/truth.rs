@@ -5,50 +5,16 @@
 
 mod common;
 
-use common::{gpu, picture::scene};
-use glam::DVec3;
-use nephos::{
-    reference::{Estimate, PathTracer},
-    render::Frame,
-    scene::Scene,
+use common::{
+    picture::scene,
+    truth::{DISC, HG, Measured, assert_agree, mean, opacity, sphere, trace},
 };
+use glam::DVec3;
+use nephos::scene::Scene;
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{RngCore, SeedableRng},
 };
-
-fn trace(scene: &Scene, size: [u32; 2], samples: u32) -> Estimate {
-    let frame = Frame::new(scene, size).unwrap();
-    let mut tracer = PathTracer::new(gpu(), &frame, 1).unwrap();
-    tracer.trace(samples, &mut |_| true).unwrap();
-    tracer.estimate().unwrap()
-}
-
-/// Mean over the picture of one channel, and its standard error.
-fn mean(estimate: &Estimate, channel: usize) -> (f64, f64) {
-    let n = estimate.mean.len() as f64;
-    let sum: f64 = estimate.mean.iter().map(|pixel| f64::from(pixel[channel])).sum();
-    let variance: f64 = estimate.error.iter().map(|error| f64::from(error[channel]).powi(2)).sum();
-    (sum / n, variance.sqrt() / n)
-}
-
-/// A homogeneous conservative sphere of radius 100 m that just fills a square picture.
-fn sphere(optical_radius: f64, phase: &str, sky: &str, sun: [f64; 3], irradiance: f64) -> Scene {
-    // 400 droplets of 6 um: 0.0904779 per metre [K 3.3].
-    let per_cm3 = 400.0 * optical_radius / 100.0 / 0.090_477_868_423_386_04;
-    scene(&format!(
-        r#"{{"clouds": [{{"edge": {{"boundary": 0}},
-            "droplets": {{"phase": {phase}, "concentration_per_cm3": {per_cm3}}},
-            "ellipsoids": [{{"center": [0, 1000, 0], "radii": [100, 100, 100]}}]}}],
-        "sky": {sky}, "sun": {{"position": {{"direction": {sun:?}}},
-            "irradiance": [{irradiance}, {irradiance}, {irradiance}]}},
-        "camera": {{"position": [0, 1000, 500], "target": [0, 1000, 0],
-            "projection": {{"orthographic": {{"height": 200}}}}}}}}"#
-    ))
-}
-
-const HG: &str = r#"{"henyey_greenstein": {"g": 0.85}}"#;
-const DISC: f64 = std::f64::consts::FRAC_PI_4;
 
 #[test]
 fn white_furnace_returns_the_light_it_gets() {
@@ -61,14 +27,10 @@ fn white_furnace_returns_the_light_it_gets() {
         "sky": {"uniform": {"radiance": [1, 1, 1]}}, "sun": {"irradiance": [0, 0, 0]}}"#,
     );
     let estimate = trace(&scene, [24, 14], 192);
-    let opacity =
-        estimate.mean.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / estimate.mean.len() as f64;
-    assert!(opacity > 0.1);
-    for channel in 0..3 {
-        let (light, error) = mean(&estimate, channel);
-        // Opacity has the error of all three channels together, at most that of one.
-        assert!((light - opacity).abs() < 4.0 * error, "{light} +- {error} for {opacity}");
-    }
+    // Opacity has at most the error of one channel, and is not independent of it.
+    let opacity = Measured::exact(opacity(&estimate));
+    assert!(opacity.value > 0.1);
+    assert_agree(&[0, 1, 2].map(|c| (format!("channel {c}"), mean(&estimate, c), opacity)));
 }
 
 #[test]
@@ -76,10 +38,9 @@ fn unscattered_share_of_a_sphere_is_the_integral() {
     // 1 - (1 - e^{-2t}(1 + 2t)) ... : [1 - (1 + 2t) e^{-2t}] / (2 t^2) for radius t.
     for t in [0.5f64, 2.0] {
         let estimate = trace(&sphere(t, HG, "\"none\"", [0.0, 1.0, 0.0], 1.0), [32, 32], 96);
-        let opacity = estimate.mean.iter().map(|p| f64::from(p[3])).sum::<f64>() / estimate.mean.len() as f64;
         let exact = (1.0 - (1.0 + 2.0 * t) * (-2.0 * t).exp()) / (2.0 * t * t);
         let error = (DISC * exact * (1.0 - exact) / (32.0 * 32.0 * 96.0)).sqrt();
-        let unscattered = 1.0 - opacity / DISC;
+        let unscattered = 1.0 - opacity(&estimate) / DISC;
         assert!((unscattered - exact).abs() < 4.0 * error / DISC, "{unscattered} for {exact}");
     }
 }
@@ -122,21 +83,13 @@ fn sphere_on_the_cpu(t: f64, g: f64, to_sun: DVec3, photons: u32) -> (f64, f64) 
 
 #[test]
 fn spheres_agree_with_an_independent_monte_carlo() {
-    // Three z-tests at once: with Sidak's correction 3.5 sigma is passed by chance once in 700.
-    for (t, sun) in [(1.0, [0.0, 0.0, 1.0]), (4.0, [0.6, 0.8, 0.0]), (4.0, [0.6, 0.0, -0.8])] {
-        let scene = sphere(t, HG, "\"none\"", sun, 1.0);
-        let mut narrow = scene.clone();
-        narrow.sun.angular_diameter_deg = 0.0;
-        let estimate = trace(&narrow, [24, 24], 700);
-        let (exact, sigma) = sphere_on_the_cpu(t, 0.85, DVec3::from(sun).normalize(), 400_000);
-        // The three channels are three independent pictures of the same thing.
-        let channels = [0, 1, 2].map(|channel| mean(&estimate, channel));
-        let light = channels.iter().map(|c| c.0).sum::<f64>() / 3.0 / DISC;
-        let error = channels.iter().map(|c| c.1.powi(2)).sum::<f64>().sqrt() / 3.0 / DISC;
-        let z = (light - exact) / error.hypot(sigma);
-        assert!(z.abs() < 3.5, "radius {t}, sun {sun:?}: {light} +- {error} for {exact} +- {sigma}");
-        assert!(error.hypot(sigma) < 0.04 * light, "the test is sharp: {error} and {sigma} of {light}");
-    }
+    let suns = [(1.0, [0.0, 0.0, 1.0]), (4.0, [0.6, 0.8, 0.0]), (4.0, [0.6, 0.0, -0.8])];
+    assert_agree(&suns.map(|(t, sun)| {
+        let estimate = trace(&sphere(t, HG, "\"none\"", sun, 1.0), [24, 24], 700);
+        let (value, error) = sphere_on_the_cpu(t, 0.85, DVec3::from(sun).normalize(), 400_000);
+        let name = format!("radius {t}, sun {sun:?}");
+        (name, mean(&estimate, 1).times(1.0 / DISC), Measured { value, error })
+    }));
 }
 
 #[test]
@@ -145,24 +98,10 @@ fn overlapping_ellipsoids_count_once() {
     let mut two = one.clone();
     let again = two.clouds[0].ellipsoids[0].clone();
     two.clouds[0].ellipsoids.push(again);
-    let (a, b) = (mean(&trace(&one, [16, 16], 192), 1), mean(&trace(&two, [16, 16], 192), 1));
-    assert!((a.0 - b.0).abs() < 4.0 * a.1.hypot(b.1), "{a:?} {b:?}");
-}
-
-#[test]
-fn more_samples_continue_the_same_picture() {
-    let scene = sphere(2.0, "\"mie\"", "\"none\"", [0.0, 0.6, 0.8], 1.0);
-    let frame = Frame::new(&scene, [8, 8]).unwrap();
-    let whole = trace(&scene, [8, 8], 60);
-    let mut tracer = PathTracer::new(gpu(), &frame, 1).unwrap();
-    for samples in [12, 33, 60] {
-        tracer.trace(samples, &mut |_| true).unwrap();
-    }
-    let pieces = tracer.estimate().unwrap();
-    assert_eq!(whole.samples, pieces.samples);
-    for (a, b) in whole.mean.iter().zip(&pieces.mean) {
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5));
-    }
+    let light = |scene: &Scene| mean(&trace(scene, [16, 16], 192), 1);
+    // With the same seed all collisions are the same.
+    let (a, b) = (light(&one), light(&two));
+    assert!((a.value / b.value - 1.0).abs() < 1e-5, "{a:?} {b:?}");
 }
 
 /// Relative RMSE, the estimate's own noise taken off, and the ratio of mean light, of the

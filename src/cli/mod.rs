@@ -9,6 +9,7 @@ mod render;
 mod schema;
 mod tables;
 mod terminal;
+mod trace;
 
 use std::process::ExitCode;
 

@@ -13,7 +13,7 @@ use crate::{
     Error, Result,
     export::{self, Picture},
     gpu::{self, Gpu, PassTime, Timing},
-    reference::PathTracer,
+    reference::Estimate,
     render::{Counts, Frame, Quality, Renderer, SlabTable, Target, Transport},
     scene::Scene,
     tables,
@@ -26,13 +26,13 @@ pub struct Render {
     scene: PathBuf,
     /// Picture to write: .png (tone-mapped, sRGB) or .exr (linear).
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    pub(super) output: PathBuf,
     /// Width, pixels.
     #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    width: u32,
+    pub(super) width: u32,
     /// Height, pixels.
     #[arg(long, default_value_t = 540, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    height: u32,
+    pub(super) height: u32,
     /// How much work to put in.
     #[arg(long, value_enum, default_value_t = QualityName::Final)]
     quality: QualityName,
@@ -42,9 +42,18 @@ pub struct Render {
     /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
     #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
     slab_table: SlabTableName,
-    /// Samples of each pixel, for `--transport path`; each carries one channel.
-    #[arg(long, default_value_t = 96, value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
-    spp: u32,
+    /// Samples of each pixel, for `--transport path`: 96 where nothing else ends the picture.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
+    pub(super) spp: Option<u32>,
+    /// Relative noise that is low enough, for `--transport path`: 0.02 is 2 %.
+    #[arg(long, value_name = "SHARE", value_parser = above_zero)]
+    pub(super) noise: Option<f64>,
+    /// Time after which the picture is written as it is, for `--transport path`.
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    pub(super) seconds: Option<f64>,
+    /// Go on with the EXR picture that the output holds, if there is one, for `--transport path`.
+    #[arg(long)]
+    pub(super) resume: bool,
     /// Rays across each pixel, for smooth edges: 2 in final quality, else 1.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     supersample: Option<u32>,
@@ -53,7 +62,7 @@ pub struct Render {
     layers: bool,
     /// Leave the sky out: clouds on a transparent ground.
     #[arg(long)]
-    transparent: bool,
+    pub(super) transparent: bool,
     /// Tell the work and time of each pass; counting makes the picture slower.
     #[arg(long)]
     stats: bool,
@@ -102,6 +111,14 @@ enum SlabTableName {
     Direct,
 }
 
+/// A number above zero.
+fn above_zero(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
+        _ => Err("give a number above 0".to_owned()),
+    }
+}
+
 /// What `--json` tells.
 #[derive(Debug, Serialize)]
 struct Report {
@@ -110,6 +127,11 @@ struct Report {
     height: u32,
     adapter: gpu::AdapterSummary,
     seconds: f64,
+    /// Samples of each pixel and relative noise, of path traced pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    noise: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     counts: Option<Counts>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -131,6 +153,7 @@ impl Render {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
+        self.check_tracing(format)?;
         // A damaged table is told before anything is drawn.
         tables::slab_moments()?;
         let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
@@ -141,12 +164,15 @@ impl Render {
         let mut renderer = self.renderer(&gpu);
         let bar = terminal::progress("rendering");
         let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
-        match format {
-            Format::Png => self.png(&gpu, &mut renderer, &frame, &scene, &mut progress)?,
-            Format::Exr => self.exr(&gpu, &mut renderer, &frame, &mut progress)?,
-        }
+        let traced = match format {
+            _ if self.traces_paths() => {
+                Some(self.trace(&gpu, &mut renderer, &frame, &scene, &mut progress)?)
+            }
+            Format::Png => self.png(&gpu, &mut renderer, &frame, &scene, &mut progress).map(|()| None)?,
+            Format::Exr => self.exr(&gpu, &mut renderer, &frame, &mut progress).map(|()| None)?,
+        };
         bar.finish_and_clear();
-        self.tell(&gpu, &renderer, started.elapsed().as_secs_f64())
+        self.tell(&gpu, &renderer, traced.as_ref(), started.elapsed().as_secs_f64())
     }
 
     fn renderer(&self, gpu: &Gpu) -> Renderer {
@@ -206,10 +232,6 @@ impl Render {
                 self.rays_across() as usize,
             );
         }
-        if self.traces_paths() {
-            let (picture, error) = self.traced(gpu, renderer, frame, progress)?;
-            return export::write_estimate(&self.output, &picture, &error);
-        }
         export::write_beauty(&self.output, &self.beauty(gpu, renderer, frame, progress)?)
     }
 
@@ -224,37 +246,8 @@ impl Render {
         }
     }
 
-    fn traces_paths(&self) -> bool {
+    pub(super) fn traces_paths(&self) -> bool {
         matches!(self.transport, TransportName::Path)
-    }
-
-    /// The path traced picture, over the sky unless transparent, and its standard error.
-    fn traced(
-        &self,
-        gpu: &Gpu,
-        renderer: &mut Renderer,
-        frame: &Frame,
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<(Picture, Vec<[f32; 3]>)> {
-        let mut tracer = PathTracer::new(gpu, frame, 0)?;
-        // In rounds, so that there is progress to tell.
-        let rounds = self.spp.div_ceil(24).min(100);
-        for round in 1..=rounds {
-            let samples = (u64::from(self.spp) * u64::from(round)).div_ceil(u64::from(rounds)) as u32;
-            tracer.trace(samples, &mut |_| true)?;
-            progress(f64::from(round) / f64::from(rounds));
-        }
-        let estimate = tracer.estimate()?;
-        let [width, height] = frame.size().map(|n| n as usize);
-        let mut picture = Picture { width, height, pixels: estimate.mean };
-        if !self.transparent {
-            let sky = renderer.picture("sky", frame.size(), wgpu::TextureFormat::Rgba16Float);
-            let mut encoder = gpu.device.create_command_encoder(&Default::default());
-            renderer.render_sky(&mut encoder, frame, &sky.create_view(&Default::default()));
-            gpu.queue.submit([encoder.finish()]);
-            picture.put_over(&Picture::read(gpu, &sky)?);
-        }
-        Ok((picture, estimate.error))
     }
 
     fn beauty(
@@ -264,9 +257,6 @@ impl Render {
         frame: &Frame,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Picture> {
-        if self.traces_paths() {
-            return Ok(self.traced(gpu, renderer, frame, progress)?.0);
-        }
         let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };
@@ -274,7 +264,7 @@ impl Render {
         Ok(Picture::read(gpu, &linear)?.reduced(self.rays_across() as usize))
     }
 
-    fn tell(&self, gpu: &Gpu, renderer: &Renderer, seconds: f64) -> Result<()> {
+    fn tell(&self, gpu: &Gpu, renderer: &Renderer, traced: Option<&Estimate>, seconds: f64) -> Result<()> {
         let counts = if self.stats { Some(renderer.counts(gpu)?) } else { None };
         let passes = renderer.timing.as_ref().map_or(Ok(Vec::new()), |timing| timing.collect(gpu))?;
         let report = Report {
@@ -283,6 +273,8 @@ impl Render {
             height: self.height,
             adapter: gpu.adapter.clone(),
             seconds,
+            samples: traced.map(|estimate| estimate.samples),
+            noise: traced.map(Estimate::noise),
             counts,
             passes,
         };
@@ -300,6 +292,9 @@ impl Report {
             self.seconds,
             self.adapter.name
         );
+        if let (Some(samples), Some(noise)) = (self.samples, self.noise) {
+            text += &format!("  {samples} samples a pixel, relative noise {:.2} %\n", 100.0 * noise);
+        }
         for time in &self.passes {
             text += &format!("  {:<14} {:>10.2} ms\n", time.pass, time.ms);
         }
@@ -314,13 +309,13 @@ impl Report {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Format {
+pub(super) enum Format {
     Png,
     Exr,
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self> {
+    pub(super) fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
         match extension.as_str() {
             "png" => Ok(Self::Png),

@@ -67,7 +67,7 @@ pub fn curve(
     let (picture, _) = drawn(gpu, renderer, scene, converged)?;
     progress();
     let error = vec![[0.0; 3]; picture.pixels.len()];
-    let reference = Reference { picture, error, samples: 0, seed: 0, scene: scene.clone() };
+    let reference = Reference { picture, error, samples: 0, scene: scene.clone() };
     let black = Picture { pixels: vec![[0.0; 4]; reference.picture.pixels.len()], ..reference.picture };
     let truth = Truth { reference: &reference, sky: &black };
     let curve = SCALES.map(|scale| (None, Some(scale), stepped(scale)));

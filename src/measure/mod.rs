@@ -19,6 +19,6 @@ pub use flip::flip;
 pub use march::{MarchPoint, PICTURES as MARCH_PICTURES, curve};
 pub use metrics::{BANDS, Errors, Truth};
 pub use page::page;
-pub use reference::{Limits, OPAQUE, Progress, Reference, light};
+pub use reference::{Limits, OPAQUE, Progress, Reference, SEED, light};
 pub use report::{Known, MeanCost, Report, march_text};
 pub use score::{Drawn, Mean, Score, View, Way, means, score};

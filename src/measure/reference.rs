@@ -1,7 +1,6 @@
 //! References: path traced pictures of the corpus, kept as OpenEXR files.
 
 use std::{
-    collections::BTreeMap,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
@@ -11,7 +10,7 @@ use crate::{
     Error, Result,
     export::{self, Picture},
     gpu::Gpu,
-    reference::PathTracer,
+    reference::{Estimate, PathTracer},
     render::Frame,
     scene::Scene,
 };
@@ -28,8 +27,6 @@ pub struct Reference {
     pub error: Vec<[f32; 3]>,
     /// Samples of each pixel.
     pub samples: u32,
-    /// Seed of the path tracer.
-    pub seed: u32,
     /// The scene.
     pub scene: Scene,
 }
@@ -56,11 +53,15 @@ pub struct Progress {
     pub share: f64,
 }
 
-/// Samples of the first round: fewer say little about the noise.
-const FIRST_ROUND: u32 = 24;
+/// Samples of the least round: fewer say little about the noise, and each thread and channel has
+/// as many.
+const ROUND: u32 = 24;
+/// The only seed: other pictures of the same scene need no other.
+pub const SEED: u32 = 1;
 
 impl Reference {
-    /// Path traces `scene` in rounds, each an eighth of what there is, until a limit is met.
+    /// Path traces `scene` in rounds, each an eighth of what there is, until a limit is met. Goes on
+    /// from an `earlier` reference of the same scene and seed.
     ///
     /// # Errors
     /// Where a cloud's droplets have no phase function, or the device fails.
@@ -69,17 +70,19 @@ impl Reference {
         scene: &Scene,
         seed: u32,
         limits: &Limits,
+        earlier: Option<Self>,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self> {
         let started = Instant::now();
         let mut tracer = PathTracer::new(gpu, &Frame::new(scene, SIZE)?, seed)?;
-        let mut samples = FIRST_ROUND.min(limits.samples);
+        let mut samples = ROUND.min(limits.samples);
+        if let Some(earlier) = earlier {
+            samples = next_round(earlier.samples, limits);
+            tracer = tracer.after(earlier.estimate())?;
+        }
         loop {
             tracer.trace(samples, &mut |_| true)?;
-            let estimate = tracer.estimate()?;
-            let [width, height] = SIZE.map(|n| n as usize);
-            let picture = Picture { width, height, pixels: estimate.mean };
-            let found = Self { picture, error: estimate.error, samples, seed, scene: scene.clone() };
+            let found = Self::new(tracer.estimate()?, scene);
             let noise = found.noise();
             let time = started.elapsed().as_secs_f64() / limits.time.as_secs_f64().max(1e-3);
             // Noise falls with the root of the samples.
@@ -89,8 +92,18 @@ impl Reference {
             if share >= 1.0 {
                 return Ok(found);
             }
-            samples = (samples + FIRST_ROUND.max(samples / 8)).min(limits.samples);
+            samples = next_round(samples, limits);
         }
+    }
+
+    fn new(estimate: Estimate, scene: &Scene) -> Self {
+        let [width, height] = SIZE.map(|n| n as usize);
+        let picture = Picture { width, height, pixels: estimate.mean };
+        Self { picture, error: estimate.error, samples: estimate.samples, scene: scene.clone() }
+    }
+
+    fn estimate(self) -> Estimate {
+        Estimate { mean: self.picture.pixels, error: self.error, samples: self.samples }
     }
 
     /// Relative standard error of the light: the root of the sum of its variances over the sum
@@ -120,15 +133,12 @@ impl Reference {
         folder.join(format!("{}.exr", entry.name))
     }
 
-    /// Writes it, with samples, seed and scene as text attributes.
+    /// Writes it as [`export::write_estimate`] does.
     ///
     /// # Errors
     /// [`Error::File`] when the file can't be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let scene = serde_json::to_string(&self.scene)
-            .map_err(|error| Error::Argument(format!("the scene could not be written as JSON: {error}")))?;
-        let notes = [(SAMPLES, self.samples.to_string()), (SEED, self.seed.to_string()), (SCENE, scene)];
-        export::write_noted_estimate(path, &self.picture, &self.error, &notes)
+        export::write_estimate(path, &self.picture, &self.clone().estimate(), &self.scene)
     }
 
     /// Reads what [`Reference::write`] wrote.
@@ -137,49 +147,29 @@ impl Reference {
     /// [`Error::File`] where it can't be read, [`Error::Format`] where it is no reference.
     pub fn read(path: &Path) -> Result<Self> {
         let stored = export::read_estimate(path)?;
-        let notes = Notes { path, notes: &stored.notes };
-        Ok(Self {
-            samples: notes.parsed(SAMPLES)?,
-            seed: notes.parsed(SEED)?,
-            scene: Scene::from_json(notes.text(SCENE)?).map_err(|error| notes.wrong(SCENE, &error))?,
-            picture: stored.picture,
-            error: stored.error,
-        })
+        if stored.size != SIZE {
+            let [width, height] = stored.size;
+            return Err(Error::Format {
+                path: path.to_owned(),
+                problem: format!(
+                    "is no reference: it has {width}x{height} pixels, not {}x{}; make it anew with \
+                     `nephos bench reference --force`",
+                    SIZE[0], SIZE[1]
+                ),
+            });
+        }
+        Ok(Self::new(stored.estimate, &stored.scene))
     }
 }
 
-const SAMPLES: &str = "nephos.samples";
-const SEED: &str = "nephos.seed";
-const SCENE: &str = "nephos.scene";
+fn next_round(samples: u32, limits: &Limits) -> u32 {
+    let more = (samples / 8).next_multiple_of(ROUND).max(ROUND);
+    samples.saturating_add(more).min(limits.samples.max(samples))
+}
 
 /// Mean of the three channels.
 pub fn light(pixel: &[f32]) -> f64 {
     pixel[..3].iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0
-}
-
-/// Text attributes of a file.
-struct Notes<'a> {
-    path: &'a Path,
-    notes: &'a BTreeMap<String, String>,
-}
-
-impl Notes<'_> {
-    fn text(&self, name: &str) -> Result<&str> {
-        self.notes.get(name).map(String::as_str).ok_or_else(|| self.wrong(name, &"is not there"))
-    }
-
-    fn parsed(&self, name: &str) -> Result<u32> {
-        self.text(name)?.parse().map_err(|error| self.wrong(name, &error))
-    }
-
-    fn wrong(&self, name: &str, reason: &impl std::fmt::Display) -> Error {
-        Error::Format {
-            path: self.path.to_owned(),
-            problem: format!(
-                "is no reference of this program: its attribute `{name}`: {reason}; make it anew with `nephos bench reference --force`"
-            ),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -191,7 +181,7 @@ mod tests {
         let pixels = vec![[0.5, 0.25, 0.75, 1.0], [0.125, 0.125, 0.125, 0.5], [9.0, 9.0, 9.0, 0.25]];
         let picture = Picture { width: 3, height: 1, pixels };
         let error = vec![[0.25, 0.25, 0.25], [0.125, 0.25, 0.5], [1.0, 1.0, 1.0]];
-        Reference { picture, error, samples: 96, seed: 3, scene: CORPUS[0].scene() }
+        Reference { picture, error, samples: 96, scene: CORPUS[0].scene() }
     }
 
     #[test]
@@ -205,15 +195,15 @@ mod tests {
     fn files_give_back_what_was_written_and_others_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
-        let written = reference();
+        let count = (SIZE[0] * SIZE[1]) as usize;
+        let estimate =
+            Estimate { mean: vec![[0.5, 0.25, 0.75, 1.0]; count], error: vec![[0.1; 3]; count], samples: 96 };
+        let written = Reference::new(estimate, &CORPUS[0].scene());
         written.write(&path).unwrap();
         assert_eq!(Reference::read(&path).unwrap(), written);
-        export::write_estimate(&path, &written.picture, &written.error).unwrap();
-        assert!(Reference::read(&path).unwrap_err().to_string().contains("nephos.samples"));
-        export::write_beauty(&path, &written.picture).unwrap();
-        assert!(Reference::read(&path).unwrap_err().to_string().contains("no channel `error.R`"));
-        std::fs::write(&path, "text").unwrap();
-        assert!(Reference::read(&path).unwrap_err().to_string().contains("no OpenEXR picture"));
+        let small = reference();
+        export::write_estimate(&path, &small.picture, &small.clone().estimate(), &small.scene).unwrap();
+        assert!(Reference::read(&path).unwrap_err().to_string().contains("3x1 pixels"));
         let missing = Reference::read(&folder.path().join("b.exr")).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read"), "{missing}");
     }

@@ -16,6 +16,9 @@ pub struct Cell {
     pub(super) padding: u32,
 }
 
+/// Most cells along an axis, and one more for rounding.
+const LONGEST: u32 = 256;
+
 /// The cells of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
@@ -32,16 +35,18 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of at most `resolution` cells along an axis around the ellipsoids; one
-    /// empty cell where there are none.
-    pub fn new(ellipsoids: &[EllipsoidUniform], resolution: u32) -> Self {
+    /// A grid of about `cells` cubes around the ellipsoids: as fine in a flat layer as in a heap,
+    /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
+    pub fn new(ellipsoids: &[EllipsoidUniform], cells: u32) -> Self {
         let (low, high) = ellipsoids
             .iter()
             .map(|e| (e.center - e.half(), e.center + e.half()))
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
             .unwrap_or((Vec3::ZERO, Vec3::ONE));
-        let cell = ((high - low).max_element() / resolution as f32).max(1e-6);
-        let size = ((high - low) / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(resolution + 1));
+        let extent = high - low;
+        let even = (extent.x * extent.y * extent.z / cells as f32).cbrt();
+        let cell = even.max(extent.max_element() / LONGEST as f32).max(1e-6);
+        let size = (extent / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(LONGEST + 1));
         let mut grid = Self { low, cell, size, cells: Vec::new(), candidates: Vec::new() };
         for z in 0..size.z {
             for y in 0..size.y {
@@ -85,7 +90,7 @@ mod tests {
                 EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
             })
             .to_vec();
-        let grid = Grid::new(&ellipsoids, 20);
+        let grid = Grid::new(&ellipsoids, 4000);
         for i in 0..2000u32 {
             // A spiral through each ellipsoid's inside.
             let t = (f64::from(i) + 0.5) / 2000.0;
@@ -104,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_ellipsoids_has_one_empty_cell() {
-        let grid = Grid::new(&[], 20);
+        let grid = Grid::new(&[], 4000);
         assert!(grid.cells.iter().all(|cell| cell.count == 0 && cell.majorant == 0.0));
     }
 }

@@ -1,17 +1,25 @@
 //! Truth: an unbiased path tracer over the same frame and the same density that the
 //! renderer draws, with the error of each pixel.
 
+mod estimate;
 mod grid;
 mod media;
+mod stop;
+
+use std::time::Instant;
 
 use glam::{UVec3, Vec3};
 
 use crate::{
-    Result,
+    Error, Result,
     gpu::{self, ComputeProgram, Gpu},
     render::{EllipsoidUniform, Frame, NoiseFrame, Sky, SkySettings, upload_noise},
 };
+pub use estimate::Estimate;
+use estimate::Moments;
 use grid::Grid;
+pub use media::{ANGLES, phase_table};
+pub use stop::{Progress, Stop};
 
 /// `Scene` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -27,18 +35,24 @@ pub struct SceneUniform {
     pub(crate) sun_radius: f32,
     pub(crate) sun_irradiance: Vec3,
     pub(crate) altitude: f32,
+    pub(crate) first: u32,
+    pub(crate) rounds: u32,
+    padding: [u32; 2],
 }
 
-/// Bytes of the shader's `Path` and `Sum`, and the loop rounds of one dispatch.
+/// Bytes of the shader's `Path`, and floats of its `Sum`.
 pub(crate) const PATH_BYTES: usize = 128;
 pub(crate) const SUM_FLOATS: usize = 8;
-/// Place of `sample` among the words of `Path`.
-pub(crate) const SAMPLE_WORD: usize = 15;
-const BUDGET: u32 = 512;
+/// Time that one dispatch should take, s: short enough for a window to be drawn in between, long
+/// enough not to be lost in waiting.
+const PIECE: f64 = 0.075;
+/// Loop rounds of the first dispatch and the least, which is worth to load and store the paths, and
+/// the most. Large pictures without a graphics card take longer than [`PIECE`] for that.
+const ROUNDS: [u32; 2] = [32, 1 << 16];
 /// Workgroups that one row of a dispatch may have.
 const MOST_GROUPS: u32 = 65535;
-/// Cells along the longest axis of the grid.
-const RESOLUTION: u32 = 48;
+/// Cells of the grid, about.
+const CELLS: u32 = 48 * 48 * 48;
 
 /// A path traced picture under way: ask for more samples as often as you like.
 pub struct PathTracer {
@@ -51,50 +65,83 @@ pub struct PathTracer {
     unfinished: wgpu::Buffer,
     size: [u32; 2],
     lanes: u32,
+    /// Rounds of a dispatch in which all threads have work: the first one after more samples were
+    /// asked for. Later ones, for few long paths, have more.
+    full_rounds: u32,
+    earlier: Option<Estimate>,
 }
 
-/// What has been found so far, without background: multiplied by opacity.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Mean radiance and opacity of each pixel, rows from the top.
-    pub mean: Vec<[f32; 4]>,
-    /// Standard error of the mean radiance, by channel.
-    pub error: Vec<[f32; 3]>,
-    /// Samples of each pixel.
-    pub samples: u32,
+/// How paths are traced. All choices have the same mean; they differ in noise and time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathOptions {
+    /// The same seed gives the same picture.
+    pub seed: u32,
+    /// Whether a share of directions is drawn around the sun.
+    pub guided: bool,
+    /// Paths that carry less than this are ended by chance; 0 leaves that to their length.
+    pub faint: f64,
+    /// Threads of each pixel; by default more for small pictures.
+    pub lanes: Option<u32>,
+}
+
+impl Default for PathOptions {
+    fn default() -> Self {
+        Self { seed: 0, guided: true, faint: 0.05, lanes: None }
+    }
+}
+
+impl PathOptions {
+    /// What the shader does with them, and under which sky.
+    fn overrides(&self, atmosphere: bool, lanes: u32) -> Vec<(&'static str, f64)> {
+        let mut list = vec![
+            ("LANES", f64::from(lanes)),
+            ("ATMOSPHERE", f64::from(u8::from(atmosphere))),
+            ("FAINT", self.faint),
+        ];
+        if !self.guided {
+            list.push(("TO_SUN", 0.0));
+        }
+        list
+    }
 }
 
 impl PathTracer {
     /// Prepares `frame`. The same `seed` gives the same picture.
     ///
     /// # Errors
-    /// Where a cloud's droplets have no phase function.
+    /// Where a cloud's droplets have no phase function, or the device can't hold so many pixels.
     pub fn new(gpu: &Gpu, frame: &Frame, seed: u32) -> Result<Self> {
+        Self::with_options(gpu, frame, &PathOptions { seed, ..PathOptions::default() })
+    }
+
+    /// The same with more to choose.
+    ///
+    /// # Errors
+    /// As [`PathTracer::new`].
+    pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
         let world = World::new(frame)?;
-        let grid = Grid::new(&world.ellipsoids, RESOLUTION);
+        let grid = Grid::new(&world.ellipsoids, CELLS);
         let uniform = SceneUniform {
             low: grid.low,
             cell: grid.cell,
             size: grid.size,
             samples: 0,
             camera: (frame.camera_position - world.origin).as_vec3(),
-            seed,
+            seed: options.seed,
             to_sun: frame.to_sun.as_vec3(),
             sun_radius: (0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32,
             sun_irradiance: Vec3::from(frame.scene.sun.irradiance.map(|x| x as f32)),
             altitude: (world.origin.y - frame.scene.ground.altitude) as f32,
+            first: 0,
+            rounds: ROUNDS[0],
+            padding: [0; 2],
         };
         let device = &gpu.device;
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
-        let lanes = lanes(pixels);
-        let overrides = [
-            ("BUDGET", f64::from(BUDGET)),
-            ("LANES", f64::from(lanes)),
-            ("ATMOSPHERE", f64::from(u8::from(sky.has_atmosphere()))),
-        ];
-        let program = ComputeProgram::new(device, "path", &overrides);
-        let threads = (pixels * lanes) as usize;
+        let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
+        let program = ComputeProgram::new(device, "path", &options.overrides(sky.has_atmosphere(), lanes));
+        let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
         let sums = gpu::storage_buffer(device, "sums", &vec![[0.0f32; SUM_FLOATS]; threads]);
         let unfinished = gpu::storage_buffer(device, "unfinished", &[0u32]);
@@ -107,7 +154,7 @@ impl PathTracer {
             gpu::storage_buffer(device, "cells", &grid.cells),
             gpu::storage_buffer(device, "candidates", &grid.candidates),
             gpu::storage_buffer(device, "phase tables", &world.tables),
-            gpu::storage_buffer(device, "paths", &new_paths(threads, lanes)),
+            gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
         ];
         let noise_volume =
             upload_noise(device, &gpu.queue, frame.scene.noise.seed).create_view(&Default::default());
@@ -123,8 +170,35 @@ impl PathTracer {
             Some(wgpu::BindingResource::TextureView(sky.sky_view())),
         ]);
         let group = program.bind(device, &resources);
-        let gpu = gpu.clone();
-        Ok(Self { gpu, program, group, uniform, uniform_buffer, sums, unfinished, size: frame.size(), lanes })
+        Ok(Self {
+            gpu: gpu.clone(),
+            program,
+            group,
+            uniform,
+            uniform_buffer,
+            sums,
+            unfinished,
+            size: frame.size(),
+            lanes,
+            full_rounds: ROUNDS[0],
+            earlier: None,
+        })
+    }
+
+    /// Goes on from an `earlier` estimate of the same frame with the same seed: its samples are
+    /// counted, and the next ones have the numbers after theirs.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] where it has another number of pixels.
+    pub fn after(mut self, earlier: Estimate) -> Result<Self> {
+        self.uniform.first = earlier.samples;
+        self.earlier = Some(self.estimate()?.merged(&earlier)?);
+        Ok(self)
+    }
+
+    /// Samples that give each thread of a pixel, and each channel, as many.
+    fn unit(&self) -> u32 {
+        3 * self.lanes
     }
 
     /// Adds samples until each pixel has `samples`; tells the share of pixels that are
@@ -147,17 +221,28 @@ impl PathTracer {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn advance(&mut self, samples: u32) -> Result<f64> {
-        self.uniform.samples = samples;
+        let samples = samples.saturating_sub(self.uniform.first);
+        let full = samples > self.uniform.samples;
+        if full {
+            (self.uniform.samples, self.uniform.rounds) = (samples, self.full_rounds);
+        }
         self.gpu.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&self.uniform));
         let threads = self.size[0] * self.size[1] * self.lanes;
         let groups = threads.div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS);
+        let started = Instant::now();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.unfinished, 0, None);
         self.program.dispatch(&mut encoder, &self.group, [groups.div_ceil(rows), rows, 1], None);
         self.gpu.queue.submit([encoder.finish()]);
         let left: Vec<u32> = gpu::read_buffer(&self.gpu, &self.unfinished)?;
-        Ok(1.0 - f64::from(left[0]) / f64::from(threads))
+        let share = 1.0 - f64::from(left[0]) / f64::from(threads);
+        self.uniform.rounds = paced(self.uniform.rounds, started.elapsed().as_secs_f64());
+        // Where most threads were done early, there is no telling that there may be more rounds.
+        if full && (share < 0.5 || self.uniform.rounds < self.full_rounds) {
+            self.full_rounds = self.uniform.rounds;
+        }
+        Ok(share)
     }
 
     /// What has been found so far.
@@ -166,45 +251,50 @@ impl PathTracer {
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn estimate(&self) -> Result<Estimate> {
         let sums: Vec<[f32; SUM_FLOATS]> = gpu::read_buffer(&self.gpu, &self.sums)?;
-        let (samples, lanes) = (self.uniform.samples, self.lanes);
-        let counts: Vec<f64> =
-            (0..lanes).map(|lane| f64::from((samples.saturating_sub(lane)).div_ceil(lanes))).collect();
-        let (mean, error) = sums.chunks_exact(lanes as usize).map(|sums| merged(sums, &counts)).unzip();
-        Ok(Estimate { mean, error, samples })
+        let samples = self.uniform.samples;
+        let pixel = |sums: &[[f32; SUM_FLOATS]]| {
+            let part = |(lane, sum): (usize, &[f32; SUM_FLOATS])| {
+                let count = samples.saturating_sub(lane as u32).div_ceil(self.lanes);
+                moments(sum, f64::from(count))
+            };
+            Moments::sum(&sums.iter().enumerate().map(part).collect::<Vec<_>>()).mean_and_error()
+        };
+        let (mean, error) = sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
+        let estimate = Estimate { mean, error, samples };
+        self.earlier.as_ref().map_or_else(|| Ok(estimate.clone()), |earlier| earlier.merged(&estimate))
     }
 }
 
+/// Threads of a picture, if the device can hold their paths.
+fn threads([width, height]: [u32; 2], lanes: u32, limits: &wgpu::Limits) -> Result<usize> {
+    let most = limits.max_storage_buffer_binding_size as usize / PATH_BYTES / lanes as usize;
+    let pixels = width as usize * height as usize;
+    if pixels > most {
+        return Err(Error::Argument(format!(
+            "a path traced picture has at most {most} pixels here, and {width}x{height} are {pixels}: make it smaller"
+        )));
+    }
+    Ok(pixels * lanes as usize)
+}
+
+/// What a thread has summed over `count` samples.
+fn moments(sum: &[f32; SUM_FLOATS], count: f64) -> Moments {
+    let at = |i: usize| f64::from(sum[i]);
+    Moments { count, mean: [0, 1, 2, 3].map(at), squares: [4, 5, 6].map(at) }
+}
+
+/// Loop rounds for the next dispatch, where the last one had `rounds` and took `seconds`: so many
+/// that it takes about [`PIECE`].
+fn paced(rounds: u32, seconds: f64) -> u32 {
+    let factor = (PIECE / seconds.max(1e-6)).clamp(0.25, 4.0);
+    ((f64::from(rounds) * factor) as u32).clamp(ROUNDS[0], ROUNDS[1])
+}
+
 /// Threads of each pixel: more for small pictures, so that they fill a graphics card. A power of two.
-fn lanes(pixels: u32) -> u32 {
-    const THREADS: u32 = 1 << 18;
-    1 << (THREADS / pixels.max(1)).clamp(1, 8).ilog2()
-}
-
-/// Paths that have not begun: thread i of a pixel with its sample i.
-fn new_paths(threads: usize, lanes: u32) -> Vec<[u32; PATH_BYTES / 4]> {
-    let path = |thread: usize| {
-        let mut path = [0; PATH_BYTES / 4];
-        path[SAMPLE_WORD] = thread as u32 % lanes;
-        path
-    };
-    (0..threads).map(path).collect()
-}
-
-/// Mean of colours and opacity, and standard error of the colours, of a pixel whose threads
-/// took `counts` samples each (Chan et al. 1979).
-fn merged(sums: &[[f32; SUM_FLOATS]], counts: &[f64]) -> ([f32; 4], [f32; 3]) {
-    let n: f64 = counts.iter().sum::<f64>().max(1.0);
-    let mean = [0, 1, 2, 3]
-        .map(|c| sums.iter().zip(counts).map(|(sum, count)| f64::from(sum[c]) * count).sum::<f64>() / n);
-    let error = [0, 1, 2].map(|c| {
-        let squares: f64 = sums
-            .iter()
-            .zip(counts)
-            .map(|(sum, count)| f64::from(sum[4 + c]) + count * (f64::from(sum[c]) - mean[c]).powi(2))
-            .sum();
-        (squares.max(0.0) / (n * (n - 1.0).max(1.0))).sqrt() as f32
-    });
-    (mean.map(|x| x as f32), error)
+/// Adapters without one are full sooner, and then only have more paths to load and store.
+fn lanes(pixels: u32, gpu: &Gpu) -> u32 {
+    let threads: u32 = if gpu.adapter.kind == "Cpu" { 1 << 13 } else { 1 << 18 };
+    1 << (threads / pixels.max(1)).clamp(1, 8).ilog2()
 }
 
 /// The tables of the frame's sky.
@@ -232,12 +322,34 @@ impl World {
         let origin = 0.5 * (low + high);
         let mut world = Self { origin, ellipsoids: Vec::new(), media: Vec::new(), tables: Vec::new() };
         for (medium, cloud) in frame.scene.clouds.iter().enumerate() {
-            world.tables.extend(media::tables(&cloud.droplets)?);
+            world.tables.extend(phase_table(&cloud.droplets)?);
             for e in &cloud.ellipsoids {
                 world.ellipsoids.push(EllipsoidUniform::new(cloud, e, origin));
                 world.media.push(medium as u32);
             }
         }
         Ok(world)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dispatches_take_their_time() {
+        assert_eq!(paced(512, PIECE), 512);
+        assert_eq!(paced(512, 2.0 * PIECE), 256);
+        assert_eq!(paced(512, 0.5 * PIECE), 1024);
+        assert_eq!(paced(512, 0.01 * PIECE), 2048);
+        assert_eq!(paced(64, 100.0), ROUNDS[0]);
+    }
+
+    #[test]
+    fn pictures_that_the_device_cannot_hold_are_refused() {
+        let limits = wgpu::Limits::default();
+        assert_eq!(threads([960, 540], 1, &limits).unwrap(), 518_400);
+        let refusal = threads([1920, 1080], 1, &limits).unwrap_err().to_string();
+        assert!(refusal.contains("at most 1048576 pixels") && refusal.contains("1920x1080"), "{refusal}");
     }
 }

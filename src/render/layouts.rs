@@ -48,7 +48,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "path",
             "Scene",
-            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude),
+            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds),
         ),
         (
             "clouds",

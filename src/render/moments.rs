@@ -192,7 +192,6 @@ impl Lights {
             Self::Sky => 3,
         }
     }
-
 }
 
 /// Levels of height, from the top, with their weights, which add up to 2: Gauss and Legendre's.
@@ -287,9 +286,11 @@ impl Solver<'_> {
             lights: self.lights.count(),
             size,
             ahead: optics.albedo * optics.ahead,
-            scattering: Vec4::from(optics.chi.map(|chi| {
-                optics.albedo * (chi - optics.ahead) / (1.0 - optics.albedo * optics.ahead)
-            })),
+            scattering: Vec4::from(
+                optics
+                    .chi
+                    .map(|chi| optics.albedo * (chi - optics.ahead) / (1.0 - optics.albedo * optics.ahead)),
+            ),
             beam: beam.extend(is_sun),
         }
     }
@@ -340,18 +341,10 @@ impl Solver<'_> {
         let coarse = before.map_or([&self.nothing.buffer, &self.nothing.moments], |before| {
             [&before.buffer, &before.moments]
         });
-        let resources = [
-            &level.buffer,
-            medium,
-            &self.directions,
-            radiance,
-            &level.moments,
-            source,
-            coarse[0],
-            coarse[1],
-        ];
-        let group = program
-            .bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
+        let resources =
+            [&level.buffer, medium, &self.directions, radiance, &level.moments, source, coarse[0], coarse[1]];
+        let group =
+            program.bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
         let count = cells(&level.uniform);
         program.record(compute, &group, [count.div_ceil(64), self.lights.count(), 1]);
     }

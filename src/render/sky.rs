@@ -331,9 +331,8 @@ impl Sky {
     /// `sky_light`; without an atmosphere single texels stand in for its tables.
     pub(super) fn sources(&self) -> [wgpu::BindingResource<'_>; 5] {
         let tables = self.tables.as_ref().filter(|_| self.has_atmosphere());
-        let [transmittance, multiple, ground] = tables.map_or([&self.white; 3], |tables| {
-            [&tables.transmittance, &tables.multiple, &tables.ground]
-        });
+        let [transmittance, multiple, ground] = tables
+            .map_or([&self.white; 3], |tables| [&tables.transmittance, &tables.multiple, &tables.ground]);
         [
             self.sky_uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(transmittance),

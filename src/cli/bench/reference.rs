@@ -9,10 +9,11 @@ use crate::{
     Error, Result,
     cli::terminal,
     gpu::Gpu,
-    measure::{Entry, Limits, Reference},
+    measure::{Entry, Limits, Reference, SEED},
 };
 
-/// Path trace the references, those that are missing or of another scene.
+/// Path trace the references: those that are missing, of another scene, or too noisy, which are
+/// gone on with.
 #[derive(Debug, Args)]
 pub struct MakeReferences {
     /// Part of the names of the pictures; all where left out.
@@ -27,7 +28,7 @@ pub struct MakeReferences {
     /// Most seconds for each picture.
     #[arg(long, default_value_t = 3600.0)]
     seconds: f64,
-    /// Make those again that are there.
+    /// Make those again from the beginning that are there.
     #[arg(long)]
     force: bool,
     /// Where the references are kept.
@@ -37,9 +38,6 @@ pub struct MakeReferences {
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
-
-/// The only seed: other pictures of the same scene need no other.
-const SEED: u32 = 1;
 
 impl MakeReferences {
     /// Makes them.
@@ -66,11 +64,12 @@ impl MakeReferences {
 
     fn make(&self, gpu: &Gpu, entry: &Entry, limits: &Limits) -> Result<()> {
         let (path, scene) = (Reference::path(&self.folder, entry), entry.scene());
-        if !self.force && Reference::read(&path).is_ok_and(|found| found.scene == scene) {
+        let found = Reference::read(&path).ok().filter(|found| !self.force && found.scene == scene);
+        if found.as_ref().is_some_and(|found| found.noise() <= limits.noise) {
             return terminal::print(&format!("{}: there already\n", entry.name));
         }
         let bar = terminal::progress(entry.name);
-        let reference = Reference::trace(gpu, &scene, SEED, limits, &mut |progress| {
+        let reference = Reference::trace(gpu, &scene, SEED, limits, found, &mut |progress| {
             bar.set_position((1000.0 * progress.share) as u64);
             bar.set_message(format!(
                 "{} {} samples, noise {:.3}",
