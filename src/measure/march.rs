@@ -14,7 +14,7 @@ use crate::{
 /// Steps of the final quality over those of a point of the curve.
 const SCALES: [f32; 7] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 /// The same for the converged march.
-const CONVERGED: f32 = 0.12;
+const CONVERGED: f32 = 0.2;
 
 /// A march of some length of steps.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -63,8 +63,7 @@ pub fn curve(
     progress: &mut dyn FnMut(),
 ) -> Result<Vec<MarchPoint>> {
     renderer.transport = model.1;
-    let converged = Quality { opaque: 1e-4, ..stepped(CONVERGED) };
-    let (picture, _) = drawn(gpu, renderer, scene, converged)?;
+    let (picture, _) = drawn(gpu, renderer, scene, stepped(CONVERGED))?;
     progress();
     let error = vec![[0.0; 3]; picture.pixels.len()];
     let reference = Reference { picture, error, samples: 0, scene: scene.clone() };

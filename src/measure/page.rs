@@ -231,9 +231,11 @@ fn march(report: &Report) -> String {
 }
 
 /// A curve, and the qualities on it, which no line joins.
-fn marked((colour, (name, curve, marked)): (usize, (String, Vec<Point>, Vec<Point>))) -> Vec<Series> {
+fn marked((colour, (name, mut curve, marked)): (usize, (String, Vec<Point>, Vec<Point>))) -> Vec<Series> {
     let alone = |point| Series { name: String::new(), colour, points: vec![point] };
     let mut all: Vec<Series> = marked.into_iter().map(alone).collect();
+    // Ends, and has its name, where steps are shortest.
+    curve.reverse();
     all.push(Series { name, colour, points: curve });
     all
 }

@@ -166,7 +166,7 @@ impl BenchModels {
             bar.set_message(entry.name);
             let (scores, view) =
                 measure::score(gpu, &mut renderer, (entry, reference), &by_quality, shown, &mut || {
-                    bar.inc(1)
+                    bar.inc(1);
                 })?;
             report.scores.extend(scores);
             report.views.push(view);
