@@ -179,6 +179,46 @@ fn chord(x: &[[f64; 4]; 7]) -> [f64; 4] {
     [-b / d - half, -b / d + half, f64::NAN, f64::NAN]
 }
 
+/// Real spherical harmonic of degree l and order m (negative: sine) in a direction: Re or Im
+/// (x + iy)^|m| times the |m|-th derivative of the Legendre polynomial.
+fn harmonic(l: usize, m: i32, d: DVec3) -> f64 {
+    let mut polynomial =
+        [vec![1.0], vec![0.0, 1.0], vec![-0.5, 0.0, 1.5], vec![0.0, -1.5, 0.0, 2.5]][l].clone();
+    let order = m.unsigned_abs() as usize;
+    let (mut re, mut im) = (1.0, 0.0);
+    for _ in 0..order {
+        polynomial = polynomial.iter().enumerate().skip(1).map(|(n, c)| n as f64 * c).collect();
+        (re, im) = (re * d.x - im * d.y, re * d.y + im * d.x);
+    }
+    let value: f64 = polynomial.iter().enumerate().map(|(n, c)| c * d.z.powi(n as i32)).sum();
+    let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
+    let twice = if m == 0 { 1.0 } else { 2.0 };
+    let norm = (2 * l + 1) as f64 / (4.0 * PI) * twice * factorial(l - order) / factorial(l + order);
+    norm.sqrt() * value * if m < 0 { im } else { re }
+}
+
+fn harmonics(x: &[[f64; 4]; 7], list: [(usize, i32); 4]) -> [f64; 4] {
+    list.map(|(l, m)| harmonic(l, m, xyz(x[0])))
+}
+
+/// Unit vectors all around, the axes among them.
+fn all_around() -> Vec<[[f32; 4]; 7]> {
+    let spiral = (0..40).map(|i| {
+        let z = 1.0 - (f64::from(i) + 0.5) / 20.0;
+        let (sine, cosine) = (2.4 * f64::from(i)).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        DVec3::new(across * cosine, across * sine, z)
+    });
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
+    scalars(spiral.chain(axes).map(|d| d.as_vec3().extend(0.0).to_array()))
+}
+
+/// A field of 5 by 7 by 4 cells in WGSL.
+const FIELD: &str = "
+    fn field() -> Field {
+        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(5u, 7u, 4u), 0.0, vec4f(0.0), vec4f(0.0));
+    }";
+
 /// The Eddington equations of a conservative slab under a beam, by shooting: integrated
 /// from the lit face with RK4 for two guesses of the flux there, then combined so that no
 /// diffuse light comes in through the far face.
@@ -682,6 +722,79 @@ fn twins() -> Vec<Twin> {
             1e-6,
         ),
         twin(
+            "harmonics_low",
+            "harmonics",
+            "return harmonics_low(x[0].xyz);",
+            all_around(),
+            |x| harmonics(x, [(0, 0), (1, 1), (1, -1), (1, 0)]),
+            1e-5,
+            1e-6,
+        ),
+        twin(
+            "harmonics_square",
+            "harmonics",
+            "return harmonics_square(x[0].xyz);",
+            all_around(),
+            |x| harmonics(x, [(2, -2), (2, -1), (2, 1), (2, 0)]),
+            1e-5,
+            1e-6,
+        ),
+        twin(
+            "harmonics_mixed",
+            "harmonics",
+            "return harmonics_mixed(x[0].xyz);",
+            all_around(),
+            |x| harmonics(x, [(2, 2), (3, -3), (3, -2), (3, -1)]),
+            1e-5,
+            1e-6,
+        ),
+        twin(
+            "harmonics_cubic",
+            "harmonics",
+            "return harmonics_cubic(x[0].xyz);",
+            all_around(),
+            |x| harmonics(x, [(3, 0), (3, 1), (3, 2), (3, 3)]),
+            1e-5,
+            1e-6,
+        ),
+        twin(
+            "field_cells",
+            "field",
+            "return vec4f(f32(field_cells(field())));",
+            grid(&[0.0], &[0.0], &[0.0], &[0.0]),
+            |_| one(140.0),
+            0.0,
+            0.0,
+        ),
+        twin(
+            "field_index",
+            "field",
+            "return vec4f(f32(field_index(field(), vec3u(x[0].xyz))));",
+            grid(&[0.0, 4.0], &[0.0, 3.0, 6.0], &[0.0, 3.0], &[0.0]),
+            |x| one(x[0][0] + 5.0 * (x[0][1] + 7.0 * x[0][2])),
+            0.0,
+            0.0,
+        ),
+        twin(
+            "field_place",
+            "field",
+            "return vec4f(vec3f(field_place(field(), u32(x[0].x))), 0.0);",
+            grid(&[0.0, 4.0, 5.0, 34.0, 35.0, 139.0], &[0.0], &[0.0], &[0.0]),
+            |x| out(DVec3::new(x[0][0] % 5.0, (x[0][0] / 5.0).floor() % 7.0, (x[0][0] / 35.0).floor())),
+            0.0,
+            0.0,
+        ),
+        // Three fields of four layers: half a texel is left to the neighbours.
+        twin(
+            "field_coordinate",
+            "field",
+            "return vec4f(field_coordinate(vec3f(0.2, 0.7, x[0].x), 12.0, u32(x[0].y), 3u), 0.0);",
+            grid(&[0.0, 0.1, 0.5, 0.8, 1.0], &[0.0, 1.0, 2.0], &[0.0], &[0.0]),
+            |x| out(DVec3::new(0.2, 0.7, (x[0][1] + x[0][0].clamp(0.125, 0.875)) / 3.0)),
+            1e-6,
+            1e-6,
+        ),
+        twin(
             "pixel_footprint",
             "camera",
             "var c: Camera; c.pixel = 0.25; c.projection = u32(x[0].y); return vec4f(pixel_footprint(c, x[0].x));",
@@ -731,6 +844,7 @@ fn shader_functions_agree_with_their_references() {
         let declarations = match twin.body {
             body if body.contains("make(") => MAKE,
             body if body.contains("leaning(") => LEANING,
+            body if body.contains("field()") => FIELD,
             _ => "",
         };
         let got = common::evaluate_with(twin.uses, declarations, twin.body, &twin.inputs);
