@@ -125,7 +125,7 @@ fn what_is_not_there_is_told() {
     let place = folder.path().to_str().unwrap();
     for (words, reason) in [
         (vec!["bench", "--filter", "nothing"], "no picture has `nothing`"),
-        (vec!["bench", "--models", "best"], "--models knows no `best`: there are single"),
+        (vec!["bench", "--models", "best"], "--models knows no `best`: there are emitter"),
         (vec!["bench", "--folder", place], "there is nothing to measure against"),
     ] {
         let output = nephos(&words).code(1).get_output().stderr.clone();

@@ -65,7 +65,8 @@ impl MakeReferences {
     fn make(&self, gpu: &Gpu, entry: &Entry, limits: &Limits) -> Result<()> {
         let (path, scene) = (Reference::path(&self.folder, entry), entry.scene());
         let found = Reference::read(&path).ok().filter(|found| !self.force && found.scene == scene);
-        if found.as_ref().is_some_and(|found| found.noise() <= limits.noise) {
+        let is_done = |found: &Reference| found.samples >= limits.samples || found.noise() <= limits.noise;
+        if found.as_ref().is_some_and(is_done) {
             return terminal::print(&format!("{}: there already\n", entry.name));
         }
         let bar = terminal::progress(entry.name);
