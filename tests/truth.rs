@@ -99,9 +99,10 @@ fn overlapping_ellipsoids_count_once() {
     let again = two.clouds[0].ellipsoids[0].clone();
     two.clouds[0].ellipsoids.push(again);
     let light = |scene: &Scene| mean(&trace(scene, [16, 16], 192), 1);
-    // With the same seed all collisions are the same.
+    // With the same seed all collisions are the same, but for a path that rounding turns now and
+    // then: 5e-5 was seen. Counted twice the droplets would give a tenth more light.
     let (a, b) = (light(&one), light(&two));
-    assert!((a.value / b.value - 1.0).abs() < 1e-5, "{a:?} {b:?}");
+    assert!((a.value / b.value - 1.0).abs() < 1e-3, "{a:?} {b:?}");
 }
 
 /// Relative RMSE, the estimate's own noise taken off, and the ratio of mean light, of the
