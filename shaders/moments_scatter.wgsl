@@ -15,6 +15,8 @@ struct Direction {
 @group(0) @binding(5) var<storage, read_write> source: array<f32>;
 @group(0) @binding(6) var<uniform> coarse: Field;
 @group(0) @binding(7) var<storage, read> coarse_moments: array<array<vec4f, 4>>;
+// How far to go from the last moments to those that the sweep gave, and beyond.
+@group(0) @binding(8) var<uniform> relaxation: f32;
 
 override FIRST: bool = false;
 
@@ -60,7 +62,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if FIRST {
         all = interpolated(id.y, id.x);
     } else {
+        let last = moments[id.y * count + id.x];
         all = gathered(first, id.x);
+        for (var i = 0u; i < 4u; i++) {
+            all[i] = last[i] + relaxation * (all[i] - last[i]);
+        }
     }
     moments[id.y * count + id.x] = all;
     let beam = field.beam.w * cells[id.x].beam;
