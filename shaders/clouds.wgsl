@@ -113,8 +113,8 @@ fn has_one_point() -> bool {
 // Tables of light, by what the transport needs: the moments and their remainder, of this
 // cloud or of slabs, or the direct table of slabs and its phase functions, or Bouthors'
 // functions.
-@group(0) @binding(20) var slab_volume: texture_3d<f32>;
-@group(0) @binding(21) var slab_angles: texture_2d<f32>;
+@group(0) @binding(20) var light_volume: texture_3d<f32>;
+@group(0) @binding(21) var light_angles: texture_2d<f32>;
 @group(0) @binding(22) var slab_views: texture_2d<f32>;
 @group(0) @binding(23) var slab_suns: texture_2d<f32>;
 @group(0) @binding(24) var slab_entries: texture_2d<f32>;
@@ -291,7 +291,7 @@ fn multiple_source(v: Varyings, p: vec3f, direction: vec3f, depth: f32, shadow: 
     if TRANSPORT == SLAB {
         count(MAP_READS, 1u);
         let at = vec2f(phase_coordinate(-cloud.to_sun, -direction), slab_path_coordinate(depth + shadow));
-        light += textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
+        light += textureSampleLevel(light_angles, clamped, at, 0.0).rgb;
     }
     if ABSORBING {
         light *= absorbed(cloud.albedo, g, depth);
@@ -324,9 +324,9 @@ fn slab_radiance(p: vec3f, direction: vec3f) -> f32 {
         let view = slab_fit_view(fit, p, -direction, cloud.to_sun, cloud.mean_free_path / cloud.similarity);
         count(MAP_READS, 3u);
         if DIRECT_TABLE {
-            radiance += slab_direct(slab_volume, slab_angles, clamped, orders, view);
+            radiance += slab_direct(light_volume, light_angles, clamped, orders, view);
         } else {
-            radiance += slab_functions(slab_angles, slab_views, slab_suns, clamped, orders, view);
+            radiance += slab_functions(light_angles, slab_views, slab_suns, clamped, orders, view);
         }
     }
     return radiance;
@@ -344,7 +344,7 @@ fn slab_sets(uv: vec2f, direction: vec3f, facing: vec3f, depth: f32, open: vec3f
         let x = dot(direction, cloud.to_sun) - mu * fit.mu0;
         let scale = cloud.similarity * fit.mu0;
         count(MAP_READS, 2u);
-        let light = slab_source(slab_volume, clamped, orders, scale * fit.thickness, scale * depth,
+        let light = slab_source(light_volume, clamped, orders, scale * fit.thickness, scale * depth,
             fit.mu0, mu, x, cloud.degrees);
         // The light has wandered deeper than where it is now.
         let wandered = min(depth + 0.5 * spread, max(depth, 0.5 * fit.thickness));
@@ -379,9 +379,9 @@ fn source_of_moments(p: vec3f, direction: vec3f, depth: f32) -> vec3f {
     count(MAP_READS, 2u);
     let inside = (p - cloud.field_low) * cloud.field_scale;
     let after = -direction;
-    let solved = dot(textureSampleLevel(slab_volume, clamped, inside, 0.0), harmonics_low(after));
+    let solved = dot(textureSampleLevel(light_volume, clamped, inside, 0.0), harmonics_low(after));
     let at = vec2f(phase_coordinate(-cloud.to_sun, after), slab_path_coordinate(depth));
-    let beyond = textureSampleLevel(slab_angles, clamped, at, 0.0).rgb;
+    let beyond = textureSampleLevel(light_angles, clamped, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));
 }
 

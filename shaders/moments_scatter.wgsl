@@ -5,10 +5,8 @@
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
-struct Direction {
-    way: vec4f,
-}
-@group(0) @binding(2) var<storage, read> directions: array<Direction>;
+// Unit vectors of propagation, and their weights, which add up to 4 pi.
+@group(0) @binding(2) var<storage, read> directions: array<vec4f>;
 @group(0) @binding(3) var<storage, read> radiance: array<f32>;
 // Moments of the radiance, four times four by light and cell.
 @group(0) @binding(4) var<storage, read_write> moments: array<array<vec4f, 4>>;
@@ -23,7 +21,7 @@ override FIRST: bool = false;
 fn gathered(first: u32, cell: u32) -> array<vec4f, 4> {
     var sum = array<vec4f, 4>();
     for (var i = 0u; i < field.directions; i++) {
-        let d = directions[i].way;
+        let d = directions[i];
         let light = d.w * radiance[first + i * field_cells(field) + cell];
         sum[0] += light * harmonics_low(d.xyz);
         sum[1] += light * harmonics_square(d.xyz);
@@ -77,7 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     all[2] = s.zwww * (all[2] + beam * harmonics_mixed(d));
     all[3] = s.wwww * (all[3] + beam * harmonics_cubic(d));
     for (var i = 0u; i < field.directions; i++) {
-        let d = directions[i].way.xyz;
+        let d = directions[i].xyz;
         let light = dot(all[0], harmonics_low(d)) + dot(all[1], harmonics_square(d))
             + dot(all[2], harmonics_mixed(d)) + dot(all[3], harmonics_cubic(d));
         source[first + i * count + id.x] = light;

@@ -4,14 +4,10 @@
 // plane across the axis along which its direction crosses cells the fastest.
 // @use field
 
-struct Direction {
-    // Unit vector of propagation, and its weight; weights add up to 4 pi.
-    way: vec4f,
-}
-
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
-@group(0) @binding(2) var<storage, read> directions: array<Direction>;
+// Unit vectors of propagation, and their weights, which add up to 4 pi.
+@group(0) @binding(2) var<storage, read> directions: array<vec4f>;
 // Radiance that enters the box, by light and direction.
 @group(0) @binding(3) var<storage, read> entering: array<f32>;
 // Source per unit of extinction, and radiance: by light, direction and cell.
@@ -28,7 +24,7 @@ fn mean_through(x: f32) -> f32 {
 @compute @workgroup_size(THREADS)
 fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) group: vec3u) {
     // Find the axis and what a step from plane to plane is.
-    let way = directions[group.x].way.xyz;
+    let way = directions[group.x].xyz;
     let rates = way / field.cell;
     var a = select(0u, 1u, abs(rates.y) > abs(rates.x));
     a = select(a, 2u, abs(rates.z) > abs(rates[a]));

@@ -1,8 +1,9 @@
 // Truth: unbiased light transport by Monte Carlo over the very density that the clouds
 // are drawn with. Null-collision (delta) tracking with a majorant for each cell of a
 // grid, next-event estimation to the sun's disc through ratio tracking, Mie scattering
-// sampled from its table, Russian roulette on paths that carry little. Some threads a pixel, each with samples of its
-// own; their paths are kept between dispatches, so that each does a bounded amount of work.
+// sampled from its table, Russian roulette on paths that carry little. Some threads a pixel,
+// each with samples of its own; their paths are kept between dispatches, so that each does a
+// bounded amount of work.
 //
 // Mie scattering has a peak some thousand times as high as its flank, so that a path which
 // happens to turn towards the sun sees a thousand times the light of its neighbours. A share

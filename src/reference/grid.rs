@@ -38,11 +38,7 @@ impl Grid {
     /// A grid of about `cells` cubes around the ellipsoids: as fine in a flat layer as in a heap,
     /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
     pub fn new(ellipsoids: &[EllipsoidUniform], cells: u32) -> Self {
-        let (low, high) = ellipsoids
-            .iter()
-            .map(|e| (e.center - e.half(), e.center + e.half()))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-            .unwrap_or((Vec3::ZERO, Vec3::ONE));
+        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
         let extent = high - low;
         let even = (extent.x * extent.y * extent.z / cells as f32).cbrt();
         let cell = even.max(extent.max_element() / LONGEST as f32).max(1e-6);

@@ -60,6 +60,15 @@ impl EllipsoidUniform {
         Vec3::new(self.support(Vec3::X), self.support(Vec3::Y), self.support(Vec3::Z))
     }
 
+    /// Least and greatest corner of the box around ellipsoids, m; of the unit cube where there are none.
+    pub(crate) fn bounds(ellipsoids: &[Self]) -> (Vec3, Vec3) {
+        ellipsoids
+            .iter()
+            .map(|e| (e.center - e.half(), e.center + e.half()))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or((Vec3::ZERO, Vec3::ONE))
+    }
+
     /// Whether a ball may touch the ellipsoid: never wrongly no.
     pub(crate) fn reaches(&self, center: Vec3, radius: f32) -> bool {
         let q = center - self.center;

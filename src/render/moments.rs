@@ -16,6 +16,9 @@
 //! Why not by path tracing, as the truth is: its noise would flicker while the sun moves,
 //! and a round of scattering costs every cell the same few reads on any device.
 
+mod quadrature;
+mod rounds;
+
 use glam::{UVec3, Vec3, Vec4};
 
 use super::{
@@ -26,7 +29,8 @@ use super::{
     optics::CloudOptics,
 };
 use crate::gpu::{self, ComputeProgram, TextureDesc};
-use crate::optics::slab::angles::Quadrature;
+use quadrature::{DIRECTIONS, directions, patches};
+use rounds::relaxations;
 
 /// `Field` of `shaders/lib/field.wgsl`.
 #[repr(C)]
@@ -42,10 +46,6 @@ pub struct FieldUniform {
     pub(super) beam: Vec4,
 }
 
-/// Levels of the quadrature, and directions of each.
-const LEVELS: usize = 6;
-const PLACES: usize = 8;
-const DIRECTIONS: usize = LEVELS * PLACES;
 /// Fewest cells along an axis.
 const FEWEST: u32 = 6;
 
@@ -75,11 +75,7 @@ pub(super) struct FieldBox {
 
 impl FieldBox {
     pub fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
-        let (low, high) = ellipsoids
-            .iter()
-            .map(|e| (e.center - e.half(), e.center + e.half()))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-            .unwrap_or((Vec3::ZERO, Vec3::ONE));
+        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
         Self { low, extent: (high - low).max(Vec3::splat(1e-3)) }
     }
 
@@ -182,35 +178,6 @@ impl MomentsPass {
     }
 }
 
-/// Rounds of scattering on each field that are stretched, and plain ones after them, which take
-/// away what turns over faster than [`LEFT`] allows for.
-const ROUNDS: usize = 16;
-const PLAIN: usize = 3;
-/// Share of a disturbance that a plain round leaves of it, at the least (short characteristics may
-/// turn it over) and at the most (light in the middle of a thick cloud fades slowly).
-const LEFT: [f64; 2] = [-0.2, 0.97];
-
-/// How far each round goes from the last moments to those that it gives: one over the roots of the
-/// polynomial of Chebyshev that is least over [`LEFT`] (Richardson's method), of which all rounds
-/// leave a hundredth; plain ones would take a hundred and fifty for that. In the order of
-/// Lebedev and Finogenov (1971), backwards, nothing grows in between.
-fn relaxations() -> [f32; ROUNDS + PLAIN] {
-    let mut order = vec![1];
-    while order.len() < ROUNDS {
-        let twice = 4 * order.len();
-        order = order.iter().flat_map(|&i| [i, twice - i]).collect();
-    }
-    let [least, most] = LEFT;
-    std::array::from_fn(|round| {
-        if round >= ROUNDS {
-            return 1.0;
-        }
-        let odd = f64::from(order[ROUNDS - 1 - round] as u32);
-        let node = (std::f64::consts::PI * odd / (2 * ROUNDS) as f64).cos();
-        (1.0 / (1.0 - 0.5 * (least + most) - 0.5 * (most - least) * node)) as f32
-    })
-}
-
 impl Lights {
     fn count(self) -> u32 {
         match self {
@@ -218,49 +185,6 @@ impl Lights {
             Self::Sky => 3,
         }
     }
-}
-
-/// Levels of height, from the top, with their weights, which add up to 2: Gauss and Legendre's.
-fn levels() -> Vec<(f64, f64)> {
-    let rule = Quadrature::new(LEVELS);
-    rule.mu.iter().zip(&rule.weight).map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect()
-}
-
-/// Azimuth of place `j` of level `k`, rad; levels are turned against each other.
-fn azimuth(k: usize, j: f64) -> f64 {
-    std::f64::consts::TAU * (j + 0.25 + 0.5 * (k % 2) as f64) / PLACES as f64
-}
-
-/// Directions of propagation and their weights, which add up to 4 pi: evenly many places around
-/// each level. Exact for products of harmonics to degree 3.
-fn directions() -> Vec<Vec4> {
-    let mut ways = Vec::with_capacity(DIRECTIONS);
-    for (k, (height, weight)) in levels().into_iter().enumerate() {
-        let around = (1.0 - height * height).sqrt();
-        let share = std::f64::consts::TAU * weight / PLACES as f64;
-        ways.extend((0..PLACES).map(|j| {
-            let angle = azimuth(k, j as f64);
-            glam::DVec4::new(around * angle.cos(), height, around * angle.sin(), share).as_vec4()
-        }));
-    }
-    ways
-}
-
-/// The part of the sphere that each direction's light comes from: sines of elevation and azimuths,
-/// low and high.
-fn patches() -> Vec<[f32; 4]> {
-    let mut patches = Vec::with_capacity(DIRECTIONS);
-    let mut top = 1.0;
-    for (k, (_, weight)) in levels().into_iter().enumerate() {
-        let bottom = top - weight;
-        patches.extend((0..PLACES).map(|j| {
-            let [start, end] = [-0.5, 0.5].map(|half| azimuth(k, j as f64 + half) + std::f64::consts::PI);
-            // Light comes from where it does not go.
-            [-top, -bottom, start, end].map(|x| x as f32)
-        }));
-        top = bottom;
-    }
-    patches
 }
 
 impl Solver<'_> {
@@ -440,52 +364,4 @@ fn scratch(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::STORAGE,
         mapped_at_creation: false,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn directions_integrate_products_of_harmonics_exactly() {
-        // Of degree 0 to 3: monomials to degree 6 in each coordinate.
-        let ways = directions();
-        let integral = |f: &dyn Fn(Vec4) -> f64| ways.iter().map(|d| f64::from(d.w) * f(*d)).sum::<f64>();
-        let whole = 4.0 * std::f64::consts::PI;
-        for (power, share) in [(0, 1.0), (2, 1.0 / 3.0), (4, 1.0 / 5.0), (6, 1.0 / 7.0), (3, 0.0), (5, 0.0)] {
-            for axis in 0..3 {
-                let found = integral(&|d| f64::from(d[axis]).powi(power)) / whole;
-                assert!((found - share).abs() < 1e-6, "axis {axis}, power {power}: {found}");
-            }
-        }
-    }
-
-    #[test]
-    fn rounds_leave_little_of_any_disturbance_and_let_none_grow() {
-        for i in 0..=100 {
-            let share = LEFT[0] + (LEFT[1] - LEFT[0]) * f64::from(i) / 100.0;
-            let mut left: f64 = 1.0;
-            for relaxation in relaxations() {
-                left *= 1.0 - f64::from(relaxation) * (1.0 - share);
-                assert!(left.abs() < 1.01, "{share}: {left}");
-            }
-            assert!(left.abs() < 0.013, "{share}: {left}");
-        }
-    }
-
-    #[test]
-    fn patches_tile_the_sphere_and_lie_behind_their_directions() {
-        let (ways, patches) = (directions(), patches());
-        let area: f32 = patches.iter().map(|[low, high, start, end]| (high - low) * (end - start)).sum();
-        assert!((area - 4.0 * std::f32::consts::PI).abs() < 1e-4);
-        for (way, [low, high, start, end]) in ways.iter().zip(&patches) {
-            let azimuth = 0.5 * (start + end);
-            let around = (1.0 - way.y * way.y).sqrt();
-            assert!(*low < -way.y && -way.y < *high);
-            assert!((around * azimuth.cos() + way.x).abs() < 1e-5);
-            assert!((around * azimuth.sin() + way.z).abs() < 1e-5);
-            // Its weight is its solid angle.
-            assert!(((high - low) * (end - start) - way.w).abs() < 1e-5);
-        }
-    }
 }
