@@ -265,13 +265,13 @@ fn sun_at(p: vec3f) -> vec3f {
     return scene.sun_irradiance * sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
 }
 
-// Light of sky and ground from a direction.
+// Light of sky and ground from a direction, as clouds see it; the camera may be far below.
 fn sky_from(direction: vec3f) -> vec3f {
     if !ATMOSPHERE {
         return sky.radiance;
     }
     let a = sky.atmosphere;
-    let altitude = max(camera.altitude, 0.0);
+    let altitude = max(sky.light_altitude, 0.0);
     let ground = direction.y < horizon_mu(a, altitude);
     let sine = half_azimuth_sine(direction, scene.to_sun);
     let uv = sky_view_uv(a, vec2f(textureDimensions(sky_view)), altitude, direction.y, sine, ground);
