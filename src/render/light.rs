@@ -7,8 +7,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 use super::{
+    bricks::Bricks,
     ellipsoids::EllipsoidUniform,
     frame::CloudFrame,
+    light_plan::Detail,
     moments::{FieldBox, Lights, MomentsPass},
     noise::NoiseFrame,
     optics::CloudOptics,
@@ -62,7 +64,7 @@ impl Lean {
 impl LightBox {
     /// The tightest box around `own` with columns along `along`, one texel of
     /// `resolution` wider on each side, and those of `others` that shade it.
-    fn new(
+    pub(super) fn new(
         own: &[EllipsoidUniform],
         others: &[EllipsoidUniform],
         along: Vec3,
@@ -107,7 +109,7 @@ impl LightBox {
         (light_box, own.iter().copied().chain(shading).collect())
     }
 
-    fn voxels(&self, resolution: u32) -> [u32; 3] {
+    pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }
@@ -136,6 +138,7 @@ struct Key {
     noise: NoiseFrame,
     seed: u32,
     light_box: LightBox,
+    voxels: [u32; 3],
 }
 
 /// The prepared light of one cloud.
@@ -149,6 +152,15 @@ pub(super) struct CloudLight {
     pub moments: Option<CloudMoments>,
     sun_key: Key,
     sky_key: Option<Key>,
+}
+
+impl CloudLight {
+    /// Memory of its textures, bytes.
+    pub fn bytes(&self) -> u64 {
+        let moments = self.moments.iter().flat_map(|moments| [&moments.sun, &moments.sky]);
+        let own = [&self.sun_volume, &self.sun_depths, &self.sun_normals, &self.sky_volume];
+        own.into_iter().chain(moments).map(|view| bytes(view.texture())).sum()
+    }
 }
 
 /// The moments of a cloud's light, on grids in one box.
@@ -178,11 +190,12 @@ pub(super) struct Inputs<'a> {
     pub repeat: &'a wgpu::Sampler,
     pub seed: u32,
     pub to_sun: DVec3,
-    pub resolution: u32,
     /// Whether anything needs to know how open the cloud is.
     pub openness: bool,
-    /// Cells along the longest axis of the grid that light is solved for on, where it is.
-    pub moments: Option<u32>,
+    /// Whether light is solved for on a grid.
+    pub moments: bool,
+    /// Whether anything asks for the light of the sun.
+    pub sunlit: bool,
     pub lit_by_sky: bool,
     pub sky: &'a Sky,
     pub timing: Option<&'a Timing>,
@@ -199,19 +212,24 @@ impl LightPass {
         }
     }
 
-    /// Light for `cloud`, taken over from `before` where nothing it depends on changed.
-    /// Counts the volumes that were redone in `redone`.
+    /// Light for `cloud` in the shadow of `others`, taken over from `before` where nothing it
+    /// depends on changed. Counts the volumes that were redone in `redone`.
+    #[allow(clippy::too_many_arguments)]
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
+        others: &[EllipsoidUniform],
+        detail: Detail,
         before: Option<CloudLight>,
         redone: &mut u32,
     ) -> CloudLight {
-        let sun_key = key(inputs, cloud, -inputs.to_sun, inputs.resolution);
-        let sky_resolution = (inputs.resolution / 4).clamp(8, 32);
-        let sky_key = inputs.openness.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
+        // What asks for no light gets the smallest.
+        let resolution = if inputs.sunlit { detail.resolution } else { 16 };
+        let sun_key = key(inputs, cloud, others, -inputs.to_sun, resolution);
+        let sky_resolution = (resolution / 4).clamp(8, 32);
+        let sky_key = inputs.openness.then(|| key(inputs, cloud, &[], DVec3::NEG_Y, sky_resolution));
         let (mut sun, mut sky, mut moments) = (None, None, None);
         if let Some(before) = before {
             moments = before.moments;
@@ -224,18 +242,18 @@ impl LightPass {
         }
         let (sun_volume, sun_depths, sun_normals) = sun.unwrap_or_else(|| {
             *redone += 1;
-            self.sun(encoder, inputs, &sun_key)
+            self.sun(encoder, inputs, &sun_key, resolution)
         });
         let sky_volume = sky.unwrap_or_else(|| match &sky_key {
             Some(sky_key) => {
                 *redone += 1;
-                self.sky(encoder, inputs, sky_key, sky_resolution)
+                self.sky(encoder, inputs, sky_key)
             }
             None => view(&volume(inputs.device, "no sky volume", [1, 1, 1])),
         });
-        let moments = inputs.moments.map(|cells| {
+        let moments = inputs.moments.then(|| {
             let sun = (&sun_key, &sun_volume);
-            self.moments(encoder, inputs, cloud, sun, cells, moments, redone)
+            self.moments(encoder, inputs, cloud, sun, detail, moments, redone)
         });
         CloudLight {
             moments,
@@ -258,7 +276,7 @@ impl LightPass {
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
         (sun_key, sun_volume): (&Key, &wgpu::TextureView),
-        cells: u32,
+        detail: Detail,
         before: Option<CloudMoments>,
         redone: &mut u32,
     ) -> CloudMoments {
@@ -267,9 +285,9 @@ impl LightPass {
             noise: cloud.noise,
             seed: inputs.seed,
             optics: cloud.optics.clone(),
-            cells,
+            cells: detail.cells,
         };
-        let coarse = Medium { cells: (cells / 2).max(8), ..medium.clone() };
+        let coarse = Medium { cells: (detail.cells / 2).max(8), ..medium.clone() };
         let sky_key = inputs.lit_by_sky.then(|| (coarse, inputs.sky.settings()));
         let sun_key = (sun_key.clone(), medium);
         let (mut sun, mut sky) = (None, None);
@@ -280,9 +298,10 @@ impl LightPass {
         let pass = self.moments.get_or_insert_with(|| MomentsPass::new(inputs.device));
         let mut solve = |lights, cells| {
             *redone += 1;
-            pass.solve(encoder, inputs, cloud, (&sun_key.0.light_box, sun_volume), lights, cells)
+            let sun = (&sun_key.0.light_box, sun_key.0.voxels, sun_volume);
+            pass.solve(encoder, inputs, cloud, sun, lights, cells)
         };
-        let sun = sun.unwrap_or_else(|| solve(Lights::Sun, cells));
+        let sun = sun.unwrap_or_else(|| solve(Lights::Sun, detail.cells));
         let sky = sky.unwrap_or_else(|| match &sky_key {
             Some((medium, _)) => solve(Lights::Sky, medium.cells),
             None => view(&volume(inputs.device, "no sky moments", [1, 1, 1])),
@@ -295,18 +314,17 @@ impl LightPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         key: &Key,
+        resolution: u32,
     ) -> (wgpu::TextureView, wgpu::TextureView, wgpu::TextureView) {
         let device = inputs.device;
-        let voxels = key.light_box.voxels(inputs.resolution);
-        let sun_volume = view(&volume(device, "sun volume", voxels));
-        let [depths, normals] =
-            ["sun depths", "sun normals"].map(|label| map(device, label, inputs.resolution));
+        let sun_volume = view(&volume(device, "sun volume", key.voxels));
+        let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, resolution));
         let [depths_0, normals_0] = [&depths, &normals].map(|map| level(map, 0));
         let buffers = Buffers::new(inputs, key);
         let mut resources = buffers.bindings(inputs);
         resources.extend([&sun_volume, &depths_0].map(texture));
         let group = self.sun_maps.bind(device, &resources);
-        let groups = inputs.resolution.div_ceil(8);
+        let groups = resolution.div_ceil(8);
         let stamps = || inputs.timing.and_then(|timing| timing.compute("sun maps"));
         self.sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
         let resources =
@@ -319,23 +337,16 @@ impl LightPass {
         (sun_volume, view(&depths), view(&normals))
     }
 
-    fn sky(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        inputs: &Inputs<'_>,
-        key: &Key,
-        resolution: u32,
-    ) -> wgpu::TextureView {
-        let voxels = key.light_box.voxels(resolution);
-        let sky_volume = view(&volume(inputs.device, "sky volume", voxels));
+    fn sky(&self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs<'_>, key: &Key) -> wgpu::TextureView {
+        let sky_volume = view(&volume(inputs.device, "sky volume", key.voxels));
         let buffers = Buffers::new(inputs, key);
         // The bindings of the sun maps, without those of the noise.
         let mut resources = buffers.bindings(inputs);
-        resources[2..].fill(None);
+        resources[2..5].fill(None);
         resources.push(texture(&sky_volume));
         let group = self.sky_volume.bind(inputs.device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        self.sky_volume.dispatch(encoder, &group, voxels.map(|n| n.div_ceil(4)), stamps);
+        self.sky_volume.dispatch(encoder, &group, key.voxels.map(|n| n.div_ceil(4)), stamps);
         sky_volume
     }
 
@@ -351,23 +362,35 @@ impl LightPass {
     }
 }
 
-fn key(inputs: &Inputs<'_>, cloud: &CloudFrame, along: DVec3, resolution: u32) -> Key {
-    let (mut light_box, ellipsoids) =
-        LightBox::new(&cloud.ellipsoids, &cloud.others, along.as_vec3(), resolution);
+fn key(
+    inputs: &Inputs<'_>,
+    cloud: &CloudFrame,
+    others: &[EllipsoidUniform],
+    along: DVec3,
+    resolution: u32,
+) -> Key {
+    let (mut light_box, ellipsoids) = LightBox::new(&cloud.ellipsoids, others, along.as_vec3(), resolution);
     light_box.chop = cloud.optics.chop;
     light_box.asymmetry = cloud.optics.asymmetry;
-    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box }
+    let voxels = light_box.voxels(resolution);
+    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box, voxels }
 }
 
+/// What a pass through a light box binds.
 struct Buffers {
     light_box: wgpu::Buffer,
     ellipsoids: wgpu::Buffer,
     noise: wgpu::Buffer,
+    lists: wgpu::Buffer,
+    candidates: wgpu::Buffer,
 }
 
 impl Buffers {
     fn new(inputs: &Inputs<'_>, key: &Key) -> Self {
+        let bricks = Bricks::new(&key.light_box, &key.ellipsoids, key.voxels);
         Self {
+            lists: gpu::storage_buffer(inputs.device, "bricks", &bricks.lists),
+            candidates: gpu::storage_buffer(inputs.device, "ellipsoids of bricks", &bricks.candidates),
             light_box: gpu::uniform_buffer(inputs.device, "light box", &key.light_box),
             ellipsoids: gpu::storage_buffer(inputs.device, "ellipsoids and occluders", &key.ellipsoids),
             noise: gpu::uniform_buffer(inputs.device, "noise frame", &key.noise),
@@ -381,8 +404,19 @@ impl Buffers {
             Some(self.noise.as_entire_binding()),
             Some(wgpu::BindingResource::TextureView(inputs.noise_volume)),
             Some(wgpu::BindingResource::Sampler(inputs.repeat)),
+            Some(self.lists.as_entire_binding()),
+            Some(self.candidates.as_entire_binding()),
         ]
     }
+}
+
+/// Memory of a texture of half floats, bytes; maps have mips.
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    let level =
+        |mip: u32| u64::from((texture.width() >> mip).max(1)) * u64::from((texture.height() >> mip).max(1));
+    (0..texture.mip_level_count())
+        .map(|mip| 8 * level(mip) * u64::from(texture.depth_or_array_layers()))
+        .sum()
 }
 
 fn volume(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {
