@@ -3,6 +3,7 @@
 mod bench;
 #[cfg(feature = "editor")]
 mod edit;
+mod export;
 mod info;
 mod new;
 mod render;
@@ -28,6 +29,7 @@ enum Command {
     #[cfg(feature = "editor")]
     Edit(edit::Edit),
     Render(render::Render),
+    Export(export::Export),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -56,6 +58,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

@@ -112,7 +112,7 @@ enum SlabTableName {
 }
 
 /// A number above zero.
-fn above_zero(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
         _ => Err("give a number above 0".to_owned()),
