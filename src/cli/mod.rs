@@ -4,6 +4,7 @@ mod bench;
 #[cfg(feature = "editor")]
 mod edit;
 mod export;
+mod fill;
 mod info;
 mod new;
 mod render;
@@ -30,6 +31,7 @@ enum Command {
     Edit(edit::Edit),
     Render(render::Render),
     Export(export::Export),
+    Fill(fill::Fill),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -59,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Export(command) => command.run(),
+        Command::Fill(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

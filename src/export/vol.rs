@@ -6,7 +6,7 @@
 
 use std::{collections::BTreeMap, io::Write, path::Path};
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 
 use crate::{
     Error, Result,
@@ -39,7 +39,7 @@ pub fn write_vol(path: &Path, volume: &Voxels) -> Result<()> {
         head.iter().try_for_each(|n| file.write_all(&n.to_le_bytes()))?;
         let corners =
             [first.as_dvec3() - 0.5, last.as_dvec3() + 0.5].map(|corner| volume.grid.voxel * corner);
-        let faces = corners.iter().flat_map(|corner| corner.to_array());
+        let faces = corners.iter().flat_map(DVec3::to_array);
         faces.map(|x| x as f32).try_for_each(|x| file.write_all(&x.to_le_bytes()))?;
         let layers = layers(volume);
         for z in first.z..=last.z {

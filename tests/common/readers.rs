@@ -13,7 +13,7 @@ pub fn python(module: &str, script: &str, words: &[&str]) -> Option<String> {
         asked.is_ok_and(|output| output.status.success())
     };
     let Some(python) = pythons.into_iter().find(has) else {
-        println!("skipped: no Python here has `{module}`, so that {script} could not read what was written");
+        eprintln!("skipped: no Python here has `{module}`, so that {script} could not read what was written");
         return None;
     };
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readers").join(script);
@@ -23,7 +23,7 @@ pub fn python(module: &str, script: &str, words: &[&str]) -> Option<String> {
 /// Runs a program with these words; gives what it told, or says that it is skipped.
 pub fn program(name: &str, words: &[&str]) -> Option<String> {
     if Command::new(name).arg("--version").output().is_err() && Command::new(name).output().is_err() {
-        println!("skipped: there is no `{name}` here to read what was written");
+        eprintln!("skipped: there is no `{name}` here to read what was written");
         return None;
     }
     Some(run(Command::new(name).args(words)))
@@ -35,4 +35,18 @@ fn run(command: &mut Command) -> String {
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{command:?}:\n{told}\n{complaint}");
     told.into_owned()
+}
+
+/// Runs Node with these words where it finds `module`, in the folders of `NODE_PATH` or in
+/// `target/readers`; gives what it told, or says that it is skipped.
+pub fn node(module: &str, words: &[&str]) -> Option<String> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/readers/node_modules");
+    let path = std::env::var("NODE_PATH").unwrap_or_else(|_| own.to_string_lossy().into_owned());
+    let mut asked = Command::new("node");
+    asked.env("NODE_PATH", &path).args(["-e", &format!("require('{module}')")]);
+    if !asked.output().is_ok_and(|output| output.status.success()) {
+        eprintln!("skipped: there is no Node with `{module}` here to read what was written");
+        return None;
+    }
+    Some(run(Command::new("node").env("NODE_PATH", &path).args(words)))
 }

@@ -1,12 +1,19 @@
 //! `nephos export`: files for other programs, one file a kind.
 
+mod camera;
+mod flipbook;
+mod impostor;
+mod shadow;
+mod sixway;
+mod sky;
+mod sprite;
 mod volume;
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::render::above_zero;
+use super::{render::above_zero, terminal};
 use crate::{Error, Result, gpu::Gpu, scene::Scene};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.
@@ -19,6 +26,12 @@ pub struct Export {
 #[derive(Debug, Subcommand)]
 enum Kind {
     Volume(volume::Volume),
+    Sky(sky::Sky),
+    Shadow(shadow::Shadow),
+    Sixway(sixway::Sixway),
+    Flipbook(flipbook::Flipbook),
+    Impostor(impostor::Impostor),
+    Camera(camera::Camera),
 }
 
 impl Export {
@@ -29,6 +42,12 @@ impl Export {
     pub fn run(self) -> Result<()> {
         match self.kind {
             Kind::Volume(export) => export.run(),
+            Kind::Sky(export) => export.run(),
+            Kind::Shadow(export) => export.run(),
+            Kind::Sixway(export) => export.run(),
+            Kind::Flipbook(export) => export.run(),
+            Kind::Impostor(export) => export.run(),
+            Kind::Camera(export) => export.run(),
         }
     }
 }
@@ -51,6 +70,14 @@ impl Source {
     fn gpu(&self) -> Result<Gpu> {
         pollster::block_on(Gpu::open(self.adapter.as_deref()))
     }
+}
+
+/// Does work that tells the share done, under a bar.
+fn shares<T>(message: &'static str, work: impl FnOnce(&mut dyn FnMut(f64)) -> Result<T>) -> Result<T> {
+    let bar = terminal::progress(message);
+    let done = work(&mut |share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    done
 }
 
 /// The ending of a file's name, in small letters, where it is one of `endings`.

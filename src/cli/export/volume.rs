@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{super::terminal, Source, ending};
+use super::{super::terminal, Source, ending, shares};
 use crate::{
     Result,
     export::{write_vdb, write_vol},
@@ -57,10 +57,7 @@ impl Volume {
         let grid = VoxelGrid { samples: self.samples, ..VoxelGrid::new(voxel) };
         let grid = if self.up == Up::Z { grid.z_up() } else { grid };
         let gpu = self.source.gpu()?;
-        let bar = terminal::progress("sampling the density");
-        let volume =
-            Voxels::sample(&gpu, &frame, grid, &mut |share| bar.set_position((1000.0 * share) as u64))?;
-        bar.finish_and_clear();
+        let volume = shares("sampling the density", |progress| Voxels::sample(&gpu, &frame, grid, progress))?;
         write(&self.output, &volume)?;
         let (first, last) = volume.bounds().unwrap_or_default();
         let size = last - first + 1;
