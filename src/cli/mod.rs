@@ -3,6 +3,8 @@
 mod bench;
 #[cfg(feature = "editor")]
 mod edit;
+mod export;
+mod fill;
 mod info;
 mod new;
 mod render;
@@ -28,6 +30,8 @@ enum Command {
     #[cfg(feature = "editor")]
     Edit(edit::Edit),
     Render(render::Render),
+    Export(export::Export),
+    Fill(fill::Fill),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -56,6 +60,8 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Export(command) => command.run(),
+        Command::Fill(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

@@ -13,9 +13,10 @@ use crate::{
     Error, Result,
     export::{self, Picture},
     gpu::{self, Gpu, PassTime, Timing},
+    import::read_camera,
     reference::Estimate,
     render::{Counts, Frame, Quality, Renderer, SlabTable, Target, Transport},
-    scene::Scene,
+    scene::{Camera, Scene},
     tables,
 };
 
@@ -69,6 +70,9 @@ pub struct Render {
     /// Write what is told as JSON.
     #[arg(long)]
     json: bool,
+    /// Take the camera of a glTF file instead of the scene's: FILE or, of several, FILE#NAME.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
     /// Part of the name of the adapter to use; `nephos info` lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
@@ -112,10 +116,19 @@ enum SlabTableName {
 }
 
 /// A number above zero.
-fn above_zero(text: &str) -> std::result::Result<f64, String> {
+pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
         _ => Err("give a number above 0".to_owned()),
+    }
+}
+
+/// The camera of `FILE` or `FILE#NAME`.
+fn camera_of(named: &Path) -> Result<Camera> {
+    let text = named.to_string_lossy();
+    match text.rsplit_once('#') {
+        Some((file, name)) if !named.exists() => read_camera(Path::new(file), Some(name)),
+        _ => read_camera(named, None),
     }
 }
 
@@ -156,7 +169,10 @@ impl Render {
         self.check_tracing(format)?;
         // A damaged table is told before anything is drawn.
         tables::slab_moments()?;
-        let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        if let Some(file) = &self.camera {
+            scene.camera = Some(camera_of(file)?);
+        }
         let n = self.rays_across();
         let frame = Frame::new(&scene, [n * self.width, n * self.height])?;
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;

@@ -74,6 +74,24 @@ impl Frame {
         EllipsoidUniform::of_cloud(&self.scene.clouds[self.clouds[index].source], origin)
     }
 
+    /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
+    /// towards the sun: north on top, `size` pixels along an edge.
+    ///
+    /// # Errors
+    /// As [`Frame::new`], and where the sun does not stand above the horizon.
+    pub fn towards_sun(scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Self> {
+        let mut frame = Self::new(scene, [size; 2])?;
+        if frame.to_sun.y <= 1e-3 {
+            return Err(Error::Argument(
+                "the sun does not stand above the horizon: it casts no shadows on the ground".to_owned(),
+            ));
+        }
+        frame.camera =
+            CameraUniform::from_square(frame.to_sun, extent, center.y - scene.ground.altitude, size);
+        frame.camera_position = center;
+        Ok(frame)
+    }
+
     /// Width and height of the picture, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.camera.size.map(|x| x as u32)
