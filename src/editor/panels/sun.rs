@@ -43,6 +43,7 @@ impl SunPanel {
                     latitude_deg: PLACE.0,
                     longitude_deg: PLACE.1,
                     time: PLACE.2.to_owned(),
+                    hours: 0.0,
                 },
             ),
             ("Direction", choice("SunPosition.direction"), SunPosition::Direction(sun.to_sun())),
@@ -63,12 +64,13 @@ impl SunPanel {
             SunPosition::Direction(v) => {
                 form.vector("SunPosition.direction", "Direction", v, DVec3::new(-0.5, 0.7, 0.5));
             }
-            SunPosition::Place { latitude_deg, longitude_deg, time } => {
+            SunPosition::Place { latitude_deg, longitude_deg, time, hours } => {
                 let path = "SunPosition.place.latitude_deg";
                 form.slider(path, "Latitude", latitude_deg, PLACE.0, -90.0..=90.0);
                 let path = "SunPosition.place.longitude_deg";
                 form.slider(path, "Longitude", longitude_deg, PLACE.1, -180.0..=180.0);
                 self.time(form.ui(), time);
+                form.slider("SunPosition.place.hours", "Hours after", hours, 0.0, -12.0..=12.0);
                 hint(form.ui(), &format!("Azimuth {azimuth:.1}°, elevation {elevation:.1}°"));
             }
         }
