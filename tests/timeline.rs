@@ -288,6 +288,11 @@ fn complaints_name_the_track_the_value_and_the_way_out() {
     let mut twins = scene(two("clouds['humilis'].edge.wispiness"));
     twins.clouds.push(twins.clouds[0].clone());
     assert!(complaint(&twins).contains("more than one cloud is called 'humilis'"));
+    let mut dead = looping();
+    dead.clouds[0].life = Some(Life { birth: 7.0, death: 4.0, forming: 1.0, dissolving: 1.0 });
+    dead.validate().unwrap();
+    dead.timeline.as_mut().unwrap().looped = false;
+    assert!(complaint(&dead).contains("clouds[0].life: death at 4 seconds"), "{}", complaint(&dead));
     let misspelt = Scene::from_json(r#"{"timeline":{"lenght":3}}"#).unwrap_err().to_string();
     assert!(misspelt.contains("did you mean `length`"), "{misspelt}");
 }

@@ -156,14 +156,19 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) with the JSON path, the value and what was expected.
     pub fn validate(&self) -> Result<()> {
+        self.check_moment()?;
+        match &self.timeline {
+            Some(timeline) => timeline.check(self, At::Root.field("timeline")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks everything but the timeline.
+    fn check_moment(&self) -> Result<()> {
         let at = At::Root;
         self.check_format(at)?;
         self.check_clouds(at.field("clouds"))?;
-        self.check_world()?;
-        match &self.timeline {
-            Some(timeline) => timeline.check(self, at.field("timeline")),
-            None => Ok(()),
-        }
+        self.check_world()
     }
 
     /// Checks what is no cloud.
@@ -214,7 +219,14 @@ impl Scene {
             )));
         }
         for (i, cloud) in self.clouds.iter().enumerate() {
-            cloud.check(at.index(i))?;
+            let at = at.index(i);
+            cloud.check(at)?;
+            if let Some(life) = cloud.life.as_ref().filter(|life| life.span(self.period()) <= 0.0) {
+                return Err(at.field("life").problem(format!(
+                    "death at {} seconds is not after birth at {}: only in a loop a life goes on over its end",
+                    life.death, life.birth
+                )));
+            }
         }
         Ok(())
     }

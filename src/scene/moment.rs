@@ -8,8 +8,8 @@
 //! fine octaves repeat on a lattice that is turned against the coarse ones' by an angle that makes
 //! no rational rotation, so that no shift but zero brings both back. A loop is closed by clouds
 //! that end instead. One with a life is gone before it has to be where it began. One without
-//! hands over to itself: two of it drift by, half a period apart, each there for a while; at every
-//! moment one of them is whole, and each is nothing when it jumps back.
+//! hands over to itself: while the wind carries it off, another of it comes to where it was, and is
+//! whole before the first begins to dissolve. They are one cloud: what they share counts once.
 
 use glam::DVec3;
 
@@ -28,10 +28,7 @@ impl Scene {
     pub fn at(&self, time: f64) -> Result<Self> {
         self.validate()?;
         let mut moment = self.posed(time);
-        if let Some(timeline) = moment.timeline.take() {
-            moment.validate().map_err(|error| error.at_time(time))?;
-            moment.timeline = Some(timeline);
-        }
+        moment.check_moment().map_err(|error| error.at_time(time))?;
         moment.camera = Some(self.camera.as_ref().map_or_else(|| self.camera(), |_| moment.camera()));
         moment.let_live_and_drift();
         (moment.time, moment.timeline) = (0.0, None);
@@ -59,7 +56,7 @@ impl Scene {
         }
     }
 
-    fn period(&self) -> Option<f64> {
+    pub(super) fn period(&self) -> Option<f64> {
         self.timeline.as_ref().and_then(super::Timeline::period)
     }
 
@@ -86,12 +83,10 @@ impl Scene {
                     blow(&mut cloud.ellipsoids, drift);
                 }
                 (None, Some(period)) if since_start(period) != DVec3::ZERO => {
-                    let both = [0.0, 0.5].map(|offset| {
-                        let share = (time / period + offset).rem_euclid(1.0);
-                        let way = since_start(time + (0.5 - share) * period);
-                        relayed(cloud, share, since_start(time) - way)
-                    });
-                    cloud.ellipsoids = both.concat();
+                    let (gone, round) = (since_start(time), since_start(period));
+                    let coming = part(cloud, 2.0 * time / period, gone - round);
+                    let leaving = part(cloud, 2.0 * (1.0 - time / period), gone);
+                    cloud.ellipsoids = [leaving, coming].concat();
                 }
                 (None, _) => blow(&mut cloud.ellipsoids, since_start(time)),
             }
@@ -100,10 +95,10 @@ impl Scene {
     }
 }
 
-/// The ellipsoids of a cloud that hands over to itself, when `share` of its way is done.
-fn relayed(cloud: &Cloud, share: f64, drift: DVec3) -> Vec<Ellipsoid> {
-    // Whole from a quarter to three quarters of its way: then the other one is.
-    let there = smooth((4.0 * share.min(1.0 - share)).min(1.0));
+/// The ellipsoids of a cloud of which as much is there as a smooth ramp to 1 has come to,
+/// carried by `drift`, m.
+fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Vec<Ellipsoid> {
+    let there = smooth(ramp.clamp(0.0, 1.0));
     let mut ellipsoids = if there > 0.0 { cloud.ellipsoids.clone() } else { Vec::new() };
     ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
     blow(&mut ellipsoids, drift);

@@ -274,9 +274,9 @@ fn bezier([a, b, c, d]: [f64; 4], s: f64) -> f64 {
     a + 3.0 * r * r * s * (b - a) + 3.0 * r * s * s * (c - a) + s * s * s * (d - a)
 }
 
-/// A handle of `key` as long as a third of `span`, s: level at ends, peaks and hollows, elsewhere along the mean
-/// slope, but no steeper than three times that of either neighbour: such a cubic is monotone
-/// between its keys (Fritsch and Carlson 1980).
+/// A handle of `key` as long as a third of `span`, s: level at ends, peaks and hollows, elsewhere
+/// along the mean slope, but no steeper than three times that of either neighbour: such a cubic is
+/// monotone between its keys (Fritsch and Carlson 1980).
 fn smooth(earlier: Option<Key>, key: Key, later: Option<Key>, span: f64) -> [f64; 2] {
     let slope = |a: Key, b: Key| (b.time > a.time).then(|| (b.value - a.value) / (b.time - a.time));
     let slope = match (earlier.and_then(|a| slope(a, key)), later.and_then(|b| slope(key, b))) {

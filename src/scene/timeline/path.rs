@@ -83,6 +83,16 @@ impl Place {
         value.as_f64().ok_or_else(|| format!("{} is not a number", kind(value)))
     }
 
+    /// The same number of another object of its kind.
+    pub fn in_object(&self, owner: Owner) -> Self {
+        Self { owner, steps: self.steps.clone() }
+    }
+
+    /// Puts `value` there; what is wrong with it, in a sentence, where it can't be. Its range is not looked at.
+    pub fn write(&self, scene: &mut Scene, value: f64) -> Result<(), String> {
+        write(scene, &[(self.clone(), value)])
+    }
+
     /// The path that says this to people and files: by name where there is one that no other has.
     pub fn path(&self, scene: &Scene) -> String {
         let mut path = owner_path(self.owner, scene);
@@ -286,7 +296,10 @@ fn parse(path: &str) -> Result<Vec<Step>, String> {
             None => field(rest, steps.is_empty()),
         }
         .ok_or_else(|| {
-            format!("it can't be read from `{rest}` on: write it like clouds['anvil'].droplets.albedo or camera.position[1]")
+            format!(
+                "it can't be read from `{rest}` on: write it like clouds['anvil'].droplets.albedo or \
+                 camera.position[1]"
+            )
         })?;
         steps.push(step);
         rest = after;
