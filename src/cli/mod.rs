@@ -5,8 +5,10 @@ mod bench;
 mod edit;
 mod info;
 mod new;
+mod picture;
 mod render;
 mod schema;
+mod sequence;
 mod tables;
 mod terminal;
 mod trace;
@@ -28,6 +30,7 @@ enum Command {
     #[cfg(feature = "editor")]
     Edit(edit::Edit),
     Render(render::Render),
+    Sequence(Box<sequence::Sequence>),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -56,6 +59,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Sequence(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),
