@@ -48,7 +48,7 @@ impl SunPanel {
             ),
             ("Direction", choice("SunPosition.direction"), SunPosition::Direction(sun.to_sun())),
         ];
-        let mut form = Form::new(ui);
+        let mut form = Form::new(ui).keyed(document, "");
         form.choice("Sun.position", "Position", &mut sun.position, &kinds);
         let dial = SunDial { azimuth_deg: azimuth, elevation_deg: elevation, heading_deg: heading };
         if let Some((azimuth, elevation)) = dial.ui(form.ui()) {
@@ -76,7 +76,12 @@ impl SunPanel {
         }
         light(&mut form, &mut sun);
         // Dial and time are no rows of the form.
-        let change = form.changed().map_or(("Move the sun", DIAL), |change| (change.name, change.field));
+        let change = form.changed();
+        if let Some(paths) = change.as_ref().and_then(|change| change.keys.as_ref()) {
+            document.toggle_keys(paths);
+            return;
+        }
+        let change = change.map_or(("Move the sun", DIAL), |change| (change.name, change.field));
         if sun != document.scene().sun {
             document.adjust(change.0, change.1, |scene| scene.sun = sun);
         }
