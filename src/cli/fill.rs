@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{render::above_zero, terminal};
+use super::{picture::above_zero, terminal};
 use crate::{
     Error, Result,
     import::{Inside, fill, read_mesh},
