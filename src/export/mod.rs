@@ -27,7 +27,7 @@ pub use motion::{Motion, turning};
 pub use picture::Picture;
 pub use png::{write_grey, write_png};
 pub use sky_map::{FACES, cube_faces, equirectangular};
-pub use sprite::{Course, SIDES, Subject};
+pub use sprite::{Course, EDGES, SIDES, Subject};
 pub use studio::{Shot, Studio};
 pub use vdb::write_vdb;
 pub use vol::write_vol;
