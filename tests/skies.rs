@@ -242,7 +242,7 @@ fn a_shadow_is_what_is_seen_towards_the_sun() {
 
 #[test]
 fn a_homogeneous_ball_dims_the_sun_by_beer_and_lambert() {
-    let text = r#"{"clouds":[{"edge":{"boundary":0},"droplets":{"concentration_per_cm3":20},
+    let text = r#"{"clouds":[{"edge":{"boundary":0},"droplets":{"concentration_per_cm3":20,"phase":"isotropic"},
         "ellipsoids":[{"center":[0,500,0],"radii":[100,100,100]}]}],
         "sun":{"position":{"angles":{"azimuth_deg":90,"elevation_deg":30}}}}"#;
     let scene = scene(text);
@@ -255,6 +255,11 @@ fn a_homogeneous_ball_dims_the_sun_by_beer_and_lambert() {
     assert!((f64::from(map[4]) - expected).abs() < 0.003, "{} {expected}", map[4]);
     let above = studio().sunlight_on(&scene, DVec3::new(0.0, 700.0, 0.0), 9.0, 3).unwrap();
     assert!(above.iter().all(|share| *share == 1.0));
+    // Droplets send much light on by less than 8 degrees, which counts as let through, as in pictures.
+    let mut mie = scene.clone();
+    mie.clouds[0].droplets.phase = nephos::scene::Phase::Mie;
+    let peak = f64::from(studio().sunlight_on(&mie, below, 9.0, 3).unwrap()[4]).ln() / -optical_depth;
+    assert!((0.5..0.6).contains(&peak), "{peak}");
     // Inside of the ball, through half of it: not what is below counts, nor what is beside.
     let inside = studio().sunlight_on(&scene, DVec3::new(0.0, 500.0, 0.0), 3.0, 3).unwrap();
     assert!((f64::from(inside[4]) - (-0.5 * optical_depth).exp()).abs() < 0.003, "{}", inside[4]);

@@ -7,7 +7,7 @@ mod common;
 use common::{gpu, picture::scene};
 use glam::DVec3;
 use nephos::{
-    export::{Around, Course, Motion, Picture, SIDES, Studio, Subject, impostor, turning},
+    export::{Around, Course, EDGES, Motion, Picture, SIDES, Studio, Subject, impostor, turning},
     render::Quality,
     scene::Scene,
 };
@@ -111,25 +111,31 @@ fn sides_are_those_of_the_picture() {
     let all = |_: usize, _: usize| true;
     let (back, front) = (half(&positive, 2, &all), half(&negative, 2, &all));
     // A thick cloud is brighter where light falls on it than where it must come through; a white sheet is 1.
-    assert!(front > 2.0 * back && front < 1.2 && back > 0.0, "{front} {back}");
+    assert!(front > back && front < 1.2 && back > 0.05, "{front} {back}");
     assert_eq!(SIDES.map(|(name, _)| name), ["right", "top", "back", "left", "bottom", "front"]);
 }
 
 #[test]
-fn six_ways_add_up_to_the_light_of_their_sides() {
-    // Light is linear: what a scene without sky shows under the sun from the front is the front map's.
+fn a_side_is_the_mean_of_four_lights_and_light_is_linear() {
     let mut scene = scene(PAIR);
     let subject = Subject::new(&scene, Some("left")).unwrap();
     let [_, negative] = subject.six_ways(&mut studio(), DVec3::Z, 24).unwrap();
     scene.sky = nephos::scene::Sky::None;
     scene.ground.albedo = [0.0; 3];
-    scene.sun.position = nephos::scene::SunPosition::Direction(DVec3::Z);
     scene.sun.irradiance = [2.0; 3];
-    let lit = Subject::new(&scene, Some("left")).unwrap();
-    let picture = studio().picture(&lit.seen_from(DVec3::Z), [24, 24], false).unwrap();
-    for (map, pixel) in negative.pixels.iter().zip(&picture.pixels).filter(|(_, p)| p[3] > 0.1) {
+    let mut light = vec![0.0; 24 * 24];
+    let front = EDGES.iter().filter(|edge| edge.z > 0.0);
+    assert_eq!(front.clone().count(), 4);
+    for edge in front {
+        scene.sun.position = nephos::scene::SunPosition::Direction(*edge);
+        let lit = Subject::new(&scene, Some("left")).unwrap();
+        let picture = studio().picture(&lit.seen_from(DVec3::Z), [24, 24], false).unwrap();
+        for (sum, pixel) in light.iter_mut().zip(&picture.pixels) {
+            *sum += 0.25 * (pixel[0] + pixel[1] + pixel[2]) / 3.0;
+        }
+    }
+    for (map, light) in negative.pixels.iter().zip(light).filter(|(map, _)| map[3] > 0.1) {
         let expected = 2.0 / std::f32::consts::PI * map[2] * map[3];
-        let light = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
         assert!((light - expected).abs() < 0.01 * expected, "{light} {expected}");
     }
 }
@@ -187,14 +193,15 @@ fn frames_blended_by_motion_are_nearer_to_what_is_between_than_faded_ones() {
     let course = Course { turns: 1, ..Course::default() };
     let to_eye = subject.to_camera();
     let mut studio = studio();
+    studio.renderer().quality = Quality { jitter: false, ..Quality::PREVIEW };
     let (mut faded, mut warped) = (0.0, 0.0);
-    for i in [0, 13] {
+    for i in [0, 9] {
         let mut frame = |i: u32| {
-            let scene = subject.at(course, i, 72).seen_from(to_eye);
+            let scene = subject.at(course, i, 40).seen_from(to_eye);
             (studio.shot(&scene, [64, 64]).unwrap(), scene.camera().world_from_camera())
         };
         let ((a, turned), (between, _), (b, _)) = (frame(i), frame(i + 1), frame(i + 2));
-        let shifts = turning(&a, turned, subject.extent(), 2.0 * course.turn(72));
+        let shifts = turning(&a, turned, subject.extent(), 2.0 * course.turn(40));
         let pixels: Vec<_> = shifts.iter().map(|shift| shift.map(|share| 64.0 * share)).collect();
         faded += difference(&between.color, &mix(&a.color, &b.color, &vec![[0.0; 2]; pixels.len()]));
         warped += difference(&between.color, &mix(&a.color, &b.color, &pixels));
@@ -203,7 +210,7 @@ fn frames_blended_by_motion_are_nearer_to_what_is_between_than_faded_ones() {
             assert!(((2.0 * pixel[0] - 1.0) * motion.strongest - shift[0]).abs() < 1e-5);
         }
     }
-    assert!(warped < 0.8 * faded, "{warped} {faded}");
+    assert!(warped < 0.85 * faded, "{warped} {faded}");
 }
 
 /// Half way between two frames, as engines blend flip-books.

@@ -29,7 +29,7 @@ pub use notes::Notes;
 pub use picture::Picture;
 pub use png::{opaque_of, read_rgb, write_grey, write_png, write_png_noted};
 pub use sky_map::{FACES, cube_faces, equirectangular};
-pub use sprite::{Course, SIDES, Subject};
+pub use sprite::{Course, EDGES, SIDES, Subject};
 pub use studio::{Shot, Studio};
 pub use vdb::write_vdb;
 pub use vol::write_vol;

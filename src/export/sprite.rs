@@ -58,6 +58,27 @@ pub const SIDES: [(&str, DVec3); 6] = [
     ("front", DVec3::Z),
 ];
 
+/// Between two sides each: directions to the edges of a cube.
+pub const EDGES: [DVec3; 12] = {
+    const fn edge(x: i32, y: i32, z: i32) -> DVec3 {
+        DVec3::new(x as f64, y as f64, z as f64)
+    }
+    [
+        edge(1, 1, 0),
+        edge(1, -1, 0),
+        edge(-1, 1, 0),
+        edge(-1, -1, 0),
+        edge(1, 0, 1),
+        edge(1, 0, -1),
+        edge(-1, 0, 1),
+        edge(-1, 0, -1),
+        edge(0, 1, 1),
+        edge(0, 1, -1),
+        edge(0, -1, 1),
+        edge(0, -1, -1),
+    ]
+};
+
 impl Subject {
     /// The cloud called `name`, or with that number, from 0; all clouds where there is no name.
     ///
@@ -120,9 +141,13 @@ impl Subject {
         subject
     }
 
-    /// Its light from each of [`SIDES`] in turn, seen from where `to_eye` points: 1 is as bright as a
-    /// white sheet that the same light hits straight on. Mean of red, green and blue, not
-    /// multiplied by the opacity, which is in the last channel: two pictures, of three sides each.
+    /// Its light from each of [`SIDES`], seen from where `to_eye` points: 1 is as bright as a white sheet that
+    /// the same light hits straight on. Mean of red, green and blue, not multiplied by the opacity,
+    /// which is in the last channel: two pictures, of three sides each.
+    ///
+    /// A side stands for all light that comes from about there, so that it is the mean of four lights at
+    /// 45 degrees to it; one straight behind would shine through by the forward peak of droplets alone, a
+    /// hundred times as bright as the others. Neighbouring sides share a light: there are [`EDGES`].
     ///
     /// # Errors
     /// Where the scene is not valid or the device fails.
@@ -131,21 +156,24 @@ impl Subject {
         scene.sky = Sky::None;
         scene.ground = Ground { albedo: [0.0; 3], ..scene.ground };
         let world_from_camera = scene.camera().world_from_camera();
-        let mut sides = Vec::new();
-        for (_, side) in SIDES {
-            let position = SunPosition::Direction(world_from_camera * side);
-            scene.sun = Sun { position, irradiance: [1.0; 3], ..scene.sun };
-            sides.push(studio.picture(&scene, [size; 2], false)?);
-        }
-        let map = |sides: &[Picture]| {
-            let pixel = |i: usize| {
-                let [a, b, c] = [0, 1, 2].map(|side: usize| reflectance(sides[side].pixels[i]));
-                [a, b, c, sides[0].pixels[i][3]]
-            };
-            let size = size as usize;
-            Picture { width: size, height: size, pixels: (0..size * size).map(pixel).collect() }
+        let blank = Picture {
+            width: size as usize,
+            height: size as usize,
+            pixels: vec![[0.0; 4]; (size * size) as usize],
         };
-        Ok([map(&sides[..3]), map(&sides[3..])])
+        let mut maps = [blank.clone(), blank];
+        for edge in EDGES {
+            let position = SunPosition::Direction(world_from_camera * edge);
+            scene.sun = Sun { position, irradiance: [1.0; 3], ..scene.sun };
+            let lit = studio.picture(&scene, [size; 2], false)?;
+            for (side, _) in SIDES.iter().enumerate().filter(|(_, (_, side))| side.dot(edge) > 0.0) {
+                for (sum, pixel) in maps[side / 3].pixels.iter_mut().zip(&lit.pixels) {
+                    sum[side % 3] += 0.25 * reflectance(*pixel);
+                    sum[3] = pixel[3];
+                }
+            }
+        }
+        Ok(maps)
     }
 }
 

@@ -14,7 +14,8 @@ use crate::{
 /// Write how much sunlight the clouds let through to a horizontal square, from 0 to 1.
 ///
 /// North (-z) is on top and east (+x) to the right; pixel (i, j) of N has the middle x = X + EXTENT ((i + 0.5) / N - 0.5),
-/// z = Z + EXTENT ((j + 0.5) / N - 0.5). It is the light that goes straight on, as in pictures: the air's own
+/// z = Z + EXTENT ((j + 0.5) / N - 0.5). It is what the
+/// opacity of pictures leaves: light that droplets turn by less than 8 degrees counts as let through. The air's own
 /// haze is left out, and the sun is a point.
 #[derive(Debug, Args)]
 pub struct Shadow {

@@ -17,7 +17,8 @@ use crate::{
 ///
 /// NAME_positive has light from right, top and back in red, green and blue, and the opacity in alpha;
 /// NAME_negative that from left, bottom and front, alpha 0 for no light of its own: the layout of
-/// Unity's Six-way Smoke Lit. Sides are those of the picture; back is light from behind the cloud. Values are
+/// Unity's Six-way Smoke Lit. Sides are those of the picture; back is light from behind the cloud. Each is the mean
+/// of four lights at 45 degrees to it. Values are
 /// linear and not multiplied by the opacity. In .exr files 1 is as bright as a white sheet that the
 /// light hits straight on; in .png files they are multiplied by a gain, which is told.
 #[derive(Debug, Args)]
