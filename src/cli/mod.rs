@@ -3,6 +3,8 @@
 mod bench;
 #[cfg(feature = "editor")]
 mod edit;
+mod export;
+mod fill;
 mod info;
 mod new;
 mod picture;
@@ -31,6 +33,8 @@ enum Command {
     Edit(edit::Edit),
     Render(render::Render),
     Sequence(Box<sequence::Sequence>),
+    Export(export::Export),
+    Fill(fill::Fill),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -60,6 +64,8 @@ pub fn main() -> ExitCode {
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
         Command::Sequence(command) => command.run(),
+        Command::Export(command) => command.run(),
+        Command::Fill(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

@@ -1,6 +1,9 @@
 //! `nephos render`: a picture of a scene.
 
-use std::{path::PathBuf, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 use clap::Args;
 use serde::Serialize;
@@ -13,9 +16,10 @@ use crate::{
     Error, Result,
     export::Notes,
     gpu::{self, PassTime},
+    import::read_camera,
     reference::Estimate,
     render::Counts,
-    scene::Scene,
+    scene::{Camera, Scene},
 };
 
 /// Render a scene file to a picture.
@@ -31,6 +35,9 @@ pub struct Render {
     /// The moment to show, seconds since the scene's start; the scene's own `time` where left out.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time: Option<f64>,
+    /// Take the camera of a glTF file instead of the scene's: FILE or, of several, FILE#NAME.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<PathBuf>,
     /// Go on with the EXR picture that the output holds, if there is one, for `--transport path`.
     #[arg(long)]
     resume: bool,
@@ -40,6 +47,15 @@ pub struct Render {
     /// Write what is told as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// The camera of `FILE` or `FILE#NAME`.
+fn camera_of(named: &Path) -> Result<Camera> {
+    let text = named.to_string_lossy();
+    match text.rsplit_once('#') {
+        Some((file, name)) if !named.exists() => read_camera(Path::new(file), Some(name)),
+        _ => read_camera(named, None),
+    }
 }
 
 /// What `--json` tells.
@@ -71,6 +87,9 @@ impl Render {
         self.picture.check(format)?;
         self.check_resuming(format)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        if let Some(file) = &self.camera {
+            scene.camera = Some(camera_of(file)?);
+        }
         scene.time = self.time.unwrap_or(scene.time);
         // What is wrong with the scene is told before an adapter is looked for.
         self.picture.frame(&scene)?;

@@ -70,6 +70,15 @@ pub fn write_layers_noted(
     write_channels(path, &sky, &list, notes.attributes())
 }
 
+/// Writes channels by their names, such as `Y` or `depth.Z`, row by row from the top: half floats, or
+/// floats in the layers `depth`, `cloud` and `error`.
+///
+/// # Errors
+/// [`crate::Error::File`] when the file can't be written.
+pub fn write_named(path: &Path, [width, height]: [usize; 2], list: &[(String, Vec<f32>)]) -> Result<()> {
+    write_channels(path, &Picture { width, height, pixels: Vec::new() }, list, Attributes::new())
+}
+
 /// Distance in metres; a cloud that hides less than a thousandth is none.
 fn metres(pixel: &[f32; 4]) -> f32 {
     if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }

@@ -20,7 +20,7 @@ pub fn write_png(path: &Path, size: [u32; 2], rgba: &[u8], transparent: bool) ->
 /// [`crate::Error::File`] when the file can't be written.
 pub fn write_png_noted(
     path: &Path,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     rgba: &[u8],
     transparent: bool,
     notes: &Notes,
@@ -29,15 +29,35 @@ pub fn write_png_noted(
         true => (Cow::Borrowed(rgba), png::ColorType::Rgba),
         false => (Cow::Owned(opaque_of(rgba)), png::ColorType::Rgb),
     };
+    write(path, size, &bytes, (color, png::BitDepth::Eight), notes)
+}
+
+/// Writes shares from 0 to 1 as grey levels, without the sRGB curve, 16 bits each.
+///
+/// # Errors
+/// [`Error::File`] when the file can't be written.
+pub fn write_grey(path: &Path, size: [u32; 2], shares: &[f32]) -> Result<()> {
+    let level = |share: &f32| ((65535.0 * share.clamp(0.0, 1.0)).round() as u16).to_be_bytes();
+    let bytes: Vec<u8> = shares.iter().flat_map(level).collect();
+    write(path, size, &bytes, (png::ColorType::Grayscale, png::BitDepth::Sixteen), &Notes::default())
+}
+
+fn write(
+    path: &Path,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+    (color, depth): (png::ColorType, png::BitDepth),
+    notes: &Notes,
+) -> Result<()> {
     write_whole(path, |file| {
         let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_color(color);
-        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_depth(depth);
         for (name, text) in &notes.0 {
             encoder.add_text_chunk(name.clone(), text.clone()).map_err(io::Error::other)?;
         }
         let mut writer = encoder.write_header().map_err(plain)?;
-        writer.write_image_data(&bytes).map_err(plain)?;
+        writer.write_image_data(bytes).map_err(plain)?;
         writer.finish().map_err(plain)
     })
 }

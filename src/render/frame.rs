@@ -28,8 +28,8 @@ pub struct CloudFrame {
     /// Half the extent along the world's axes, m.
     pub(crate) half: DVec3,
     pub(crate) ellipsoids: Vec<EllipsoidUniform>,
-    /// Ellipsoids of other clouds, in this cloud's frame.
-    pub(crate) others: Vec<EllipsoidUniform>,
+    /// Which of the scene's clouds it is.
+    pub(crate) source: usize,
     pub(crate) optics: Arc<CloudOptics>,
     pub(crate) noise: NoiseFrame,
 }
@@ -60,6 +60,33 @@ impl Frame {
         })
     }
 
+    /// The ellipsoids of cloud `index` as they are in the frame whose origin is at `origin`.
+    pub(crate) fn ellipsoids_of(
+        &self,
+        index: usize,
+        origin: DVec3,
+    ) -> impl Iterator<Item = EllipsoidUniform> {
+        EllipsoidUniform::of_cloud(&self.scene.clouds[self.clouds[index].source], origin)
+    }
+
+    /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
+    /// towards the sun: north on top, `size` pixels along an edge.
+    ///
+    /// # Errors
+    /// As [`Frame::new`], and where the sun does not stand above the horizon.
+    pub fn towards_sun(scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Self> {
+        let mut frame = Self::new(scene, [size; 2])?;
+        if frame.to_sun.y <= 1e-3 {
+            return Err(Error::Argument(
+                "the sun does not stand above the horizon: it casts no shadows on the ground".to_owned(),
+            ));
+        }
+        frame.camera =
+            CameraUniform::from_square(frame.to_sun, extent, center.y - scene.ground.altitude, size);
+        frame.camera_position = center;
+        Ok(frame)
+    }
+
     /// Width and height of the picture, pixels.
     pub fn size(&self) -> [u32; 2] {
         self.camera.size.map(|x| x as u32)
@@ -71,13 +98,11 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     for (index, cloud) in scene.clouds.iter().enumerate() {
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let others = scene.clouds.iter().enumerate().filter(|(other, _)| *other != index);
-        let in_frame = |cloud| move |e| EllipsoidUniform::new(cloud, e, origin);
         frames.push(CloudFrame {
             origin,
             half: 0.5 * (max - min),
-            ellipsoids: cloud.ellipsoids.iter().map(in_frame(cloud)).collect(),
-            others: others.flat_map(|(_, other)| other.ellipsoids.iter().map(in_frame(other))).collect(),
+            ellipsoids: EllipsoidUniform::of_cloud(cloud, origin).collect(),
+            source: index,
             optics: CloudOptics::of(&cloud.droplets)?,
             noise: NoiseFrame::new(&scene.noise, origin),
         });
@@ -99,10 +124,9 @@ mod tests {
         scene.clouds[0].hidden = true;
         scene.clouds[1].ellipsoids[2].hidden = true;
         let some = Frame::new(&scene, [16, 9]).unwrap();
-        let counts =
-            |frame: &Frame| frame.clouds.iter().map(|c| (c.ellipsoids.len(), c.others.len())).collect();
+        let counts = |frame: &Frame| frame.clouds.iter().map(|c| (c.source, c.ellipsoids.len())).collect();
         let (before, after): (Vec<_>, Vec<_>) = (counts(&all), counts(&some));
-        assert_eq!((before, after), (vec![(8, 8), (8, 8)], vec![(7, 0)]));
+        assert_eq!((before, after), (vec![(0, 8), (1, 8)], vec![(1, 7)]));
         // What the path tracer takes.
         assert_eq!(some.scene.clouds.iter().map(|c| c.ellipsoids.len()).sum::<usize>(), 7);
         assert_eq!(some.camera_position, all.camera_position);

@@ -1,5 +1,6 @@
 //! The real-time renderer: one file a pass, with the same stem as its shader.
 
+mod bricks;
 mod camera;
 mod clouds;
 mod compose;
@@ -8,8 +9,11 @@ mod frame;
 #[cfg(test)]
 mod layouts;
 mod light;
+mod light_plan;
+mod light_store;
 mod moments;
 mod noise;
+mod occluders;
 mod optics;
 mod quality;
 mod renderer;
@@ -21,6 +25,7 @@ pub mod slab_textures;
 mod stats;
 mod target;
 mod tiles;
+mod voxels;
 
 pub use camera::CameraUniform;
 pub(crate) use ellipsoids::EllipsoidUniform;
@@ -35,3 +40,4 @@ pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use slab_textures::SlabTable;
 pub use stats::Counts;
 pub use target::{Layers, SceneDepth, Target};
+pub use voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels};

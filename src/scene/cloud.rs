@@ -13,7 +13,7 @@ use crate::Result;
 pub struct Cloud {
     /// A name for people; it changes nothing in the picture.
     pub name: String,
-    /// The shape. At most 4096 ellipsoids in all clouds together; none renders nothing.
+    /// The shape. At most 65536 ellipsoids in all clouds together; none renders nothing.
     pub ellipsoids: Vec<Ellipsoid>,
     /// The water of the cloud.
     pub droplets: Droplets,

@@ -47,10 +47,10 @@ use validate::{At, Limits};
 pub const FORMAT: u32 = 1;
 
 /// Most clouds in a scene.
-pub const MAX_CLOUDS: usize = 256;
+pub const MAX_CLOUDS: usize = 4096;
 
 /// Most ellipsoids in a scene, all clouds together.
-pub const MAX_ELLIPSOIDS: usize = 4096;
+pub const MAX_ELLIPSOIDS: usize = 65_536;
 
 const TIME: Limits = Limits::new(-1e7, 1e7, "seconds");
 const EXPOSURE: Limits = Limits::new(-20.0, 20.0, "stops");
@@ -67,7 +67,7 @@ pub struct Scene {
     pub format: u32,
     /// A name for people; it changes nothing in the picture.
     pub name: String,
-    /// The clouds, at most 256; none is an empty sky.
+    /// The clouds, at most 4096; none is an empty sky.
     #[schemars(length(max = MAX_CLOUDS))]
     pub clouds: Vec<Cloud>,
     /// The noise that shapes the boundaries of all clouds.
