@@ -9,7 +9,7 @@ use crate::{Error, Result, files::write_whole};
 /// left out.
 ///
 /// # Errors
-/// [`crate::Error::File`] when the file can't be written.
+/// [`Error::File`] when the file can't be written.
 pub fn write_png(path: &Path, size: [u32; 2], rgba: &[u8], transparent: bool) -> Result<()> {
     write_png_noted(path, size, rgba, transparent, &Notes::default())
 }
@@ -17,7 +17,7 @@ pub fn write_png(path: &Path, size: [u32; 2], rgba: &[u8], transparent: bool) ->
 /// The same with notes, as text chunks.
 ///
 /// # Errors
-/// [`crate::Error::File`] when the file can't be written.
+/// [`Error::File`] when the file can't be written.
 pub fn write_png_noted(
     path: &Path,
     size: [u32; 2],
@@ -35,7 +35,7 @@ pub fn write_png_noted(
 /// Writes shares from 0 to 1 as grey levels, without the sRGB curve, 16 bits each.
 ///
 /// # Errors
-/// [`crate::Error::File`] when the file can't be written.
+/// [`Error::File`] when the file can't be written.
 pub fn write_grey(path: &Path, size: [u32; 2], shares: &[f32]) -> Result<()> {
     let level = |share: &f32| ((65535.0 * share.clamp(0.0, 1.0)).round() as u16).to_be_bytes();
     let levels: Vec<u8> = shares.iter().flat_map(level).collect();
