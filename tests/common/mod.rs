@@ -7,6 +7,8 @@ pub mod desk;
 #[cfg(feature = "export")]
 pub mod picture;
 #[cfg(feature = "export")]
+pub mod random;
+#[cfg(feature = "export")]
 pub mod truth;
 #[cfg(feature = "editor")]
 pub mod window;
