@@ -45,6 +45,19 @@ fn a_white_furnace_stays_white() {
 }
 
 #[test]
+fn droplets_that_throw_light_back_stay_white_too() {
+    let mut scene = noisy(r#"{"uniform": {"radiance": [1, 1, 1]}}"#, 0.0, 1.0);
+    // The more they turn light back, the more rounds they need: measured 0.01 and 0.033.
+    for (g, bound) in [(-0.5, 0.02), (-0.9, 0.05)] {
+        scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g };
+        let picture = draw(&mut renderer(Quality::DRAFT, Transport::Moments), &scene, SIZE, false);
+        for light in light(&picture) {
+            assert!((light - 1.0).abs() < bound, "g {g}: {light}");
+        }
+    }
+}
+
+#[test]
 fn droplets_that_absorb_are_darker_and_black_ones_are_black() {
     let at = |albedo| {
         let scene = noisy(r#"{"uniform": {"radiance": [1, 1, 1]}}"#, 0.0, albedo);

@@ -217,8 +217,9 @@ impl Solver<'_> {
         }
         let sizes = sizes(most);
         let [radiance, source] = &self.scratch;
-        let relaxations =
-            relaxations().map(|relaxation| gpu::uniform_buffer(device, "relaxation", &relaxation));
+        let lowest = self.uniform(most).scattering.min_element();
+        let relaxations = relaxations(f64::from(lowest))
+            .map(|relaxation| gpu::uniform_buffer(device, "relaxation", &relaxation));
         let mut before: Option<Level> = None;
         for &size in &sizes {
             let level = Level::new(device, self.uniform(size));

@@ -72,8 +72,9 @@ static KNOWN: Mutex<Vec<(Droplets, Arc<CloudOptics>)>> = Mutex::new(Vec::new());
 const MOST_KNOWN: usize = 32;
 
 impl CloudOptics {
-    /// The optics of `droplets`, the same every time.
+    /// The optics of `droplets`, the same every time, however many of them there are.
     pub fn of(droplets: &Droplets) -> Result<Arc<Self>> {
+        let droplets = &Droplets { concentration_per_cm3: 0.0, ..droplets.clone() };
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, optics)) = known.iter().find(|(other, _)| other == droplets) {
             return Ok(optics.clone());
@@ -171,5 +172,16 @@ mod tests {
         let optics = CloudOptics::new(&Droplets::default()).unwrap();
         assert!(optics.degrees.iter().all(|ratio| (ratio - 1.0).abs() < 1e-5), "{:?}", optics.degrees);
         assert!((optics.similarity - 1.0).abs() < 1e-4, "{}", optics.similarity);
+    }
+
+    #[test]
+    fn clouds_of_more_and_fewer_droplets_share_their_optics() {
+        let of = |concentration_per_cm3, albedo| {
+            let phase = crate::scene::Phase::Isotropic;
+            CloudOptics::of(&Droplets { concentration_per_cm3, albedo, phase, ..Droplets::default() })
+                .unwrap()
+        };
+        assert!(Arc::ptr_eq(&of(1.0, 1.0), &of(400.0, 1.0)));
+        assert!(!Arc::ptr_eq(&of(1.0, 1.0), &of(1.0, 0.9)));
     }
 }

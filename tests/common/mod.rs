@@ -7,6 +7,8 @@ pub mod desk;
 #[cfg(feature = "export")]
 pub mod picture;
 #[cfg(feature = "export")]
+pub mod random;
+#[cfg(feature = "export")]
 pub mod readers;
 #[cfg(feature = "export")]
 pub mod truth;

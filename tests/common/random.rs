@@ -1,0 +1,125 @@
+//! Random valid scenes, small and from all over what a scene may be, for tests of properties.
+
+use glam::{DQuat, DVec3};
+use nephos::scene::{
+    Camera, Cloud, Droplets, Edge, Ellipsoid, Noise, Phase, Projection, Scene, Sky, Sun, SunPosition,
+};
+use proptest::{
+    prelude::*,
+    test_runner::{Config, FileFailurePersistence, RngAlgorithm, TestCaseResult, TestRng, TestRunner},
+};
+
+/// Runs `property` on `cases` scenes, the same every time; what fails is shrunk and its seed kept.
+pub fn check<S: Strategy>(cases: u32, strategy: &S, property: impl Fn(S::Value) -> TestCaseResult) {
+    let kept = FileFailurePersistence::Direct("tests/random_scenes.seeds");
+    let config = Config {
+        cases,
+        max_shrink_iters: 60,
+        failure_persistence: Some(Box::new(kept)),
+        source_file: Some("tests/random_scenes.rs"),
+        ..Config::default()
+    };
+    let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    if let Err(failure) = TestRunner::new_with_rng(config, rng).run(strategy, property) {
+        panic!("{failure}");
+    }
+}
+
+/// Numbers whose logarithms are evenly spread.
+fn log(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (low.ln()..high.ln()).prop_map(f64::exp)
+}
+
+fn direction() -> impl Strategy<Value = DVec3> {
+    (-1.0..1.0, 0.0..std::f64::consts::TAU).prop_map(|(y, angle): (f64, f64)| {
+        let level = (1.0 - y * y).sqrt();
+        DVec3::new(level * angle.cos(), y, level * angle.sin())
+    })
+}
+
+fn turn() -> impl Strategy<Value = DQuat> {
+    (direction(), 0.0..std::f64::consts::PI).prop_map(|(axis, angle)| DQuat::from_axis_angle(axis, angle))
+}
+
+fn edge() -> impl Strategy<Value = Edge> {
+    (prop_oneof![1 => Just(0.0), 5 => log(0.3, 300.0)], 0.0..=1.0)
+        .prop_map(|(boundary, wispiness)| Edge { boundary, wispiness })
+}
+
+/// An ellipsoid within some 300 m.
+fn ellipsoid() -> impl Strategy<Value = Ellipsoid> {
+    let radii = [log(3.0, 400.0), log(3.0, 400.0), log(3.0, 400.0)];
+    let density = prop_oneof![4 => Just(1.0), 1 => 0.0..3.0];
+    (direction(), 0.0..300.0, radii, turn(), density, proptest::option::of(edge())).prop_map(
+        |(way, out, radii, orientation, density, edge)| Ellipsoid {
+            orientation,
+            density,
+            edge,
+            ..Ellipsoid::new(out * way, radii.into())
+        },
+    )
+}
+
+/// Few kinds, for their tables take time.
+fn droplets() -> impl Strategy<Value = Droplets> {
+    let kind = prop_oneof![
+        3 => Just((Phase::Mie, 1.0)),
+        1 => Just((Phase::HenyeyGreenstein { g: -0.5 }, 1.0)),
+        1 => Just((Phase::Isotropic, 0.9)),
+    ];
+    (log(0.1, 1e5), kind).prop_map(|(concentration_per_cm3, (phase, albedo))| Droplets {
+        concentration_per_cm3,
+        phase,
+        albedo,
+        ..Droplets::default()
+    })
+}
+
+fn cloud() -> impl Strategy<Value = Cloud> {
+    let place = (direction(), 0.0..1000.0);
+    (proptest::collection::vec(ellipsoid(), 1..6), droplets(), edge(), place).prop_map(
+        |(mut ellipsoids, droplets, edge, (way, out))| {
+            let middle = 1500.0 * DVec3::Y + out * way;
+            ellipsoids.iter_mut().for_each(|e| e.center += middle);
+            Cloud { ellipsoids, droplets, edge, ..Cloud::default() }
+        },
+    )
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let projection = prop_oneof![
+        4 => (5.0..120.0).prop_map(|vertical_fov_deg| Projection::Perspective { vertical_fov_deg }),
+        1 => log(10.0, 5000.0).prop_map(|height| Projection::Orthographic { height }),
+        1 => Just(Projection::Equirectangular),
+    ];
+    (direction(), log(1.0, 1e4), 0.0..360.0, projection).prop_map(|(way, distance, roll_deg, projection)| {
+        let middle = 1500.0 * DVec3::Y;
+        Camera { position: middle + distance * way, target: middle, roll_deg, projection }
+    })
+}
+
+fn sky() -> impl Strategy<Value = Sky> {
+    prop_oneof![2 => Just(Sky::default()), 1 => Just(white()), 1 => Just(Sky::None)]
+}
+
+/// The same light from everywhere.
+pub fn white() -> Sky {
+    Sky::Uniform { radiance: [1.0; 3] }
+}
+
+/// Any scene.
+pub fn scenes() -> impl Strategy<Value = Scene> {
+    let clouds = proptest::collection::vec(cloud(), 1..4);
+    let noise = (log(1.0, 1000.0), 0.0..=1.0, turn());
+    let sun = (0.0..360.0, -10.0..90.0);
+    (clouds, noise, sun, sky(), camera()).prop_map(
+        |(clouds, (scale, detail, rotation), (azimuth_deg, elevation_deg), sky, camera)| Scene {
+            clouds,
+            noise: Noise { scale, detail, rotation, ..Noise::default() },
+            sun: Sun { position: SunPosition::Angles { azimuth_deg, elevation_deg }, ..Sun::default() },
+            sky,
+            camera: Some(camera),
+            ..Scene::default()
+        },
+    )
+}

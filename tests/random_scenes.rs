@@ -1,0 +1,241 @@
+//! What must hold for every scene, tried on random ones. Each property runs on a few scenes here,
+//! always the same; `cargo test --release --test random_scenes -- --ignored` tries a thousand.
+//! Scenes that failed once are in `random_scenes.seeds` and are tried first.
+#![cfg(feature = "export")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use std::{
+    f64::consts::FRAC_PI_2,
+    sync::{Mutex, OnceLock, PoisonError},
+};
+
+use common::{
+    picture::{draw, renderer},
+    random::{check, scenes, white},
+};
+use glam::{DQuat, DVec3};
+use nephos::{
+    export::Picture,
+    render::{Quality, Renderer, Transport},
+    scene::{Phase, Scene, Sky, SunPosition},
+};
+use proptest::prelude::*;
+
+const SIZE: [u32; 2] = [32, 18];
+/// Scenes of each property in the normal run, and in the long one.
+const FEW: u32 = 4;
+const MANY: u32 = 1000;
+
+/// Coarse light, so that a picture takes a tenth of a second; no grain.
+const COARSE: Quality = Quality { light_resolution: 16, light_cells: 8, jitter: false, ..Quality::DRAFT };
+
+/// The picture of a scene, all by one renderer: what it compiled and the tables it made are kept.
+fn picture(scene: &Scene, quality: Quality, transport: Transport) -> Picture {
+    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
+    let shared = RENDERER.get_or_init(|| Mutex::new(renderer(quality, transport)));
+    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    (renderer.quality, renderer.transport) = (quality, transport);
+    draw(&mut renderer, scene, SIZE, false)
+}
+
+/// The same in coarse light, solved for.
+fn coarse(scene: &Scene) -> Picture {
+    picture(scene, COARSE, Transport::Moments)
+}
+
+/// Root mean square difference of light and opacity over that of the first picture.
+fn difference(a: &Picture, b: &Picture) -> f64 {
+    let square = |values: &mut dyn Iterator<Item = f32>| values.map(|x| f64::from(x * x)).sum::<f64>();
+    let pairs = a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
+    let apart = square(&mut pairs.map(|(a, b)| a - b));
+    let whole = square(&mut a.pixels.iter().flatten().copied());
+    if whole < 1e-4 { 0.0 } else { (apart / whole).sqrt() }
+}
+
+/// The property that a change of the scene changes the picture by less than `bound`.
+fn keeps_the_picture(cases: u32, bound: f64, change: impl Fn(&mut Scene)) {
+    check(cases, &scenes(), |scene| {
+        let mut other = scene.clone();
+        change(&mut other);
+        let apart = difference(&coarse(&scene), &coarse(&other));
+        prop_assert!(apart <= bound, "{apart} of the picture changed");
+        Ok(())
+    });
+}
+
+fn light_is_finite_and_bounded(cases: u32) {
+    check(cases, &scenes(), |scene| {
+        for pixel in &coarse(&scene).pixels {
+            let good = pixel.iter().all(|c| c.is_finite() && *c >= 0.0) && pixel[3] <= 1.0;
+            prop_assert!(good, "{pixel:?}");
+        }
+        Ok(())
+    });
+}
+
+/// Seen from outside: light in the middle of a cloud hundreds of mean free paths thick is not
+/// found, nor seen by anyone.
+fn a_white_furnace_stays_white(cases: u32) {
+    check(cases, &scenes(), |mut scene| {
+        scene.sky = white();
+        scene.sun.irradiance = [0.0; 3];
+        for cloud in &mut scene.clouds {
+            cloud.droplets.albedo = 1.0;
+            cloud.droplets.concentration_per_cm3 = cloud.droplets.concentration_per_cm3.min(400.0);
+        }
+        let camera = scene.camera.as_mut().unwrap();
+        let away = (camera.position - camera.target).normalize();
+        camera.position = camera.target + 3000.0 * away;
+        for pixel in coarse(&scene).pixels.iter().filter(|pixel| pixel[3] > 0.1) {
+            let light = pixel[1] / pixel[3];
+            // 8 cells: measured 0.011, where droplets throw light back.
+            prop_assert!((light - 1.0).abs() < 0.02, "{light}");
+        }
+        Ok(())
+    });
+}
+
+/// A conservative half-space that scatters alike in all directions returns at most
+/// H(1)^2 / 8 pi = 0.34 of the irradiance as radiance, where sun and eye are at the zenith, and
+/// H(1)^2 / 4 pi where the sun grazes it (Chandrasekhar 1950).
+fn isotropic_clouds_return_no_more_than_a_half_space(cases: u32) {
+    check(cases, &scenes(), |mut scene| {
+        scene.sky = Sky::None;
+        scene.clouds.iter_mut().for_each(|cloud| cloud.droplets.phase = Phase::Isotropic);
+        for pixel in &coarse(&scene).pixels {
+            prop_assert!(pixel[1] < 0.68, "{pixel:?}");
+        }
+        Ok(())
+    });
+}
+
+fn the_order_of_ellipsoids_does_not_matter(cases: u32) {
+    keeps_the_picture(cases, 0.01, |scene| {
+        scene.clouds.iter_mut().for_each(|cloud| cloud.ellipsoids.reverse());
+    });
+}
+
+fn far_from_the_origin_is_like_near_it(cases: u32) {
+    keeps_the_picture(cases, 0.01, |scene| {
+        let far = DVec3::new(1e5, 0.0, -7e4);
+        scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids).for_each(|e| e.center += far);
+        scene.noise.offset += far;
+        let camera = scene.camera.as_mut().unwrap();
+        camera.position += far;
+        camera.target += far;
+    });
+}
+
+/// By a quarter, which the directions that light is solved along go with.
+fn the_world_has_no_north(cases: u32) {
+    keeps_the_picture(cases, 0.03, |scene| {
+        let turn = DQuat::from_rotation_y(-FRAC_PI_2);
+        for ellipsoid in scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
+            ellipsoid.center = turn * ellipsoid.center;
+            ellipsoid.orientation = (turn * ellipsoid.orientation).normalize();
+        }
+        scene.noise.rotation = (turn * scene.noise.rotation).normalize();
+        let camera = scene.camera.as_mut().unwrap();
+        camera.position = turn * camera.position;
+        camera.target = turn * camera.target;
+        if let SunPosition::Angles { azimuth_deg, .. } = &mut scene.sun.position {
+            *azimuth_deg = (*azimuth_deg + 90.0) % 360.0;
+        }
+    });
+}
+
+fn other_qualities_show_the_same(cases: u32, other: Quality, bound: f64) {
+    check(cases, &scenes(), |scene| {
+        let [one, other] = [COARSE, other].map(|quality| picture(&scene, quality, Transport::Single));
+        let apart = difference(&other, &one);
+        prop_assert!(apart <= bound, "{apart} of the picture changed");
+        Ok(())
+    });
+}
+
+fn twice_the_samples_show_the_same(cases: u32) {
+    let finer = Quality {
+        first_step: 0.5 * COARSE.first_step,
+        longest_step: 0.5 * COARSE.longest_step,
+        growth: COARSE.growth.sqrt(),
+        max_steps: 2 * COARSE.max_steps,
+        ..COARSE
+    };
+    other_qualities_show_the_same(cases, finer, 0.3);
+}
+
+fn finer_maps_show_the_same(cases: u32) {
+    other_qualities_show_the_same(cases, Quality { light_resolution: 32, ..COARSE }, 0.3);
+}
+
+/// Pictures along a way change evenly: what the middle of three differs by from the mean of its
+/// neighbours.
+fn nothing_pops(cases: u32, bound: f64, step: impl Fn(&mut Scene, f64)) {
+    check(cases, &scenes(), |scene| {
+        let pictures: Vec<_> = (0..4)
+            .map(|i| {
+                let mut moved = scene.clone();
+                step(&mut moved, f64::from(i));
+                coarse(&moved)
+            })
+            .collect();
+        for three in pictures.windows(3) {
+            let mut between = three[0].clone();
+            for (a, b) in between.pixels.iter_mut().flatten().zip(three[2].pixels.iter().flatten()) {
+                *a = 0.5 * (*a + b);
+            }
+            let jump = difference(&three[1], &between);
+            prop_assert!(jump <= bound, "{jump} of the picture jumps");
+        }
+        Ok(())
+    });
+}
+
+fn nothing_pops_when_the_sun_moves(cases: u32) {
+    nothing_pops(cases, 0.03, |scene, i| {
+        if let SunPosition::Angles { azimuth_deg, elevation_deg } = &mut scene.sun.position {
+            *azimuth_deg += 0.1 * i;
+            *elevation_deg += 0.05 * i;
+        }
+    });
+}
+
+fn nothing_pops_when_the_camera_moves(cases: u32) {
+    nothing_pops(cases, 0.05, |scene, i| {
+        let camera = scene.camera.as_mut().unwrap();
+        let away = camera.position - camera.target;
+        camera.position += 1e-4 * i * away.any_orthogonal_vector();
+    });
+}
+
+fn nothing_pops_when_an_ellipsoid_moves(cases: u32) {
+    nothing_pops(cases, 0.05, |scene, i| scene.clouds[0].ellipsoids[0].center.x += 0.02 * i);
+}
+
+/// Each property twice: on a few scenes, and on many.
+macro_rules! properties {
+    ($($name:ident),* $(,)?) => {
+        mod few {
+            $(#[test] fn $name() { super::$name(super::FEW); })*
+        }
+        mod many {
+            $(#[test] #[ignore = "long"] fn $name() { super::$name(super::MANY); })*
+        }
+    };
+}
+
+properties!(
+    light_is_finite_and_bounded,
+    a_white_furnace_stays_white,
+    isotropic_clouds_return_no_more_than_a_half_space,
+    the_order_of_ellipsoids_does_not_matter,
+    far_from_the_origin_is_like_near_it,
+    the_world_has_no_north,
+    twice_the_samples_show_the_same,
+    finer_maps_show_the_same,
+    nothing_pops_when_the_sun_moves,
+    nothing_pops_when_the_camera_moves,
+    nothing_pops_when_an_ellipsoid_moves,
+);
