@@ -5,14 +5,14 @@ PICTURE := target/demo.png
 # lavapipe prints a warning on every run without a private folder of its own.
 export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
 
-.PHONY: demo test lint docs examples driver screen readers
+.PHONY: demo test lint docs examples driver screen readers movies
 
 demo: driver
 	cargo build --release
 	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
 	@echo "The picture is $(CURDIR)/$(PICTURE)"
 
-test: driver screen readers
+test: driver screen readers movies
 	cargo test --all-features
 
 lint:
@@ -41,3 +41,6 @@ screen:
 
 readers:
 	@sh .ci/readers
+
+movies:
+	@sh .ci/movies

@@ -119,7 +119,7 @@ fn has_one_point() -> bool {
 @group(0) @binding(23) var slab_suns: texture_2d<f32>;
 @group(0) @binding(24) var slab_entries: texture_2d<f32>;
 @group(0) @binding(25) var slab_offsets: texture_2d<f32>;
-@group(0) @binding(19) var<storage, read_write> counters: array<atomic<u32>, 12>;
+@group(0) @binding(19) var<storage, read_write> counters: array<atomic<u32>, 14>;
 
 // What `--stats` counts, in pairs of low and high words.
 const RAYS: u32 = 0u;
@@ -128,7 +128,8 @@ const STEPS: u32 = 2u;
 const DENSITY: u32 = 3u;
 const NOISE_READS: u32 = 4u;
 const MAP_READS: u32 = 5u;
-var<private> counts: array<u32, 6>;
+const ELLIPSOIDS: u32 = 6u;
+var<private> counts: array<u32, 7>;
 
 fn count(what: u32, amount: u32) {
     if COUNTING {
@@ -138,7 +139,7 @@ fn count(what: u32, amount: u32) {
 
 fn store_counts() {
     if COUNTING {
-        for (var i = 0u; i < 6u; i++) {
+        for (var i = 0u; i < 7u; i++) {
             let before = atomicAdd(&counters[2u * i], counts[i]);
             if before + counts[i] < before {
                 atomicAdd(&counters[2u * i + 1u], 1u);
@@ -186,19 +187,80 @@ struct Stretch {
     boundary: f32,
 }
 
+// The ellipsoids that a ray meets next: of the tile's that it has not left, the nearest ones that
+// there is room for. Before `near_end` along the ray there are no others. Those that the ray is in
+// are `holding` it; a point of the ray asks only them.
+const MOST_NEAR: u32 = 32u;
+var<private> near: array<u32, MOST_NEAR>;
+var<private> near_entry: array<f32, MOST_NEAR>;
+var<private> near_count: u32;
+var<private> near_end: f32;
+var<private> holding: array<u32, MOST_NEAR>;
+var<private> holding_count: u32;
+// Whether the ray is in more than there is room for: then all of the tile are asked.
+var<private> crowded: bool;
+
+// Lists the ellipsoids from `t` on.
+fn find_near(v: Varyings, ray: Ray, t: f32) {
+    count(ELLIPSOIDS, v.count);
+    near_count = 0u;
+    near_end = 1e30;
+    var farthest = 0u;
+    for (var i = 0u; i < v.count; i++) {
+        let index = candidates[v.first + i];
+        let chord = ellipsoid_chord(ellipsoids[index], ray.origin, ray.direction, 1.0);
+        if chord.x < chord.y && chord.y > t {
+            var place = near_count;
+            if near_count == MOST_NEAR {
+                near_end = min(near_end, max(chord.x, near_entry[farthest]));
+                place = select(MOST_NEAR, farthest, chord.x < near_entry[farthest]);
+            }
+            if place < MOST_NEAR {
+                near[place] = index;
+                near_entry[place] = chord.x;
+                near_count = min(near_count + 1u, MOST_NEAR);
+            }
+            if near_count == MOST_NEAR {
+                farthest = farthest_near();
+            }
+        }
+    }
+    crowded = near_end <= t;
+}
+
+// The one of the list that the ray meets last.
+fn farthest_near() -> u32 {
+    var last = 0u;
+    for (var i = 1u; i < MOST_NEAR; i++) {
+        last = select(last, i, near_entry[i] > near_entry[last]);
+    }
+    return last;
+}
+
 fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
+    if t >= near_end || crowded {
+        find_near(v, ray, t);
+    }
     var entry = 1e30;
     var exit = 1e30;
     var core_exit = 0.0;
     var core = 0.0;
     var densest = 0.0;
     var boundary = 1e30;
-    for (var i = 0u; i < v.count; i++) {
-        let e = ellipsoids[candidates[v.first + i]];
+    holding_count = 0u;
+    let asked = select(near_count, v.count, crowded);
+    count(ELLIPSOIDS, asked);
+    for (var i = 0u; i < asked; i++) {
+        let index = listed(v, i);
+        let e = ellipsoids[index];
         let outer = ellipsoid_chord(e, ray.origin, ray.direction, 1.0);
         if outer.x < outer.y && outer.x > t {
             entry = min(entry, outer.x);
         } else if outer.y > t && outer.x <= t {
+            if !crowded {
+                holding[holding_count] = index;
+                holding_count += 1u;
+            }
             exit = min(exit, outer.y);
             densest = max(densest, e.extinction);
             let inner = ellipsoid_chord(e, ray.origin, ray.direction, e.core);
@@ -214,20 +276,38 @@ fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
         }
     }
     let inside = exit < 1e30;
+    // Beyond the end of the list there may be more.
+    entry = min(entry, select(near_end, 1e30, crowded));
     if core > 0.0 && core >= densest {
         return Stretch(min(core_exit, entry), true, core, boundary);
     }
     return Stretch(min(entry, exit), inside, 0.0, boundary);
 }
 
-// The union of the tile's ellipsoids at a point.
+// The `i`th ellipsoid of the list, or of the tile where it is crowded.
+fn listed(v: Varyings, i: u32) -> u32 {
+    if crowded {
+        return candidates[v.first + i];
+    }
+    return near[i];
+}
+
+// The union, at a point, of the ellipsoids that the ray is in.
 fn matter_at(v: Varyings, p: vec3f, blur: f32) -> Matter {
+    let asked = select(holding_count, v.count, crowded);
     count(DENSITY, 1u);
     count(NOISE_READS, 2u);
+    count(ELLIPSOIDS, asked);
     let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
     var matter = CLEAR;
-    for (var i = 0u; i < v.count; i++) {
-        let e = ellipsoids[candidates[v.first + i]];
+    for (var i = 0u; i < asked; i++) {
+        var index = 0u;
+        if crowded {
+            index = candidates[v.first + i];
+        } else {
+            index = holding[i];
+        }
+        let e = ellipsoids[index];
         matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
     }
     return matter;
@@ -550,6 +630,7 @@ fn close(m: ptr<function, March>) {
 fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> March {
     var m = March(1.0, 0.0, 0.0, vec3f(0.0), vec2f(0.0), 0.0, vec3f(0.0), 0.0, 0.0, 0.0, vec3f(0.0));
     var t = 0.0;
+    find_near(v, ray, t);
     var stretch = Stretch(0.0, false, 0.0, 0.0);
     var step = 0.0;
     var phase = offset;

@@ -11,32 +11,15 @@
 @group(0) @binding(6) var clamped: sampler;
 @group(0) @binding(7) var sun_volume: texture_3d<f32>;
 @group(0) @binding(8) var<storage, read_write> cells: array<FieldCell>;
+// Lists of the ellipsoids in each brick of the sun's volume.
+@group(0) @binding(9) var<storage, read> lists: array<vec2u>;
+@group(0) @binding(10) var<storage, read> candidates: array<u32>;
 
-// The ellipsoids that reach into the cell; where they are more, all are asked.
-const MOST_HITS: u32 = 32u;
-var<private> hits: array<u32, MOST_HITS>;
-var<private> hit_count: u32;
-
-fn collect_hits(middle: vec3f, radius: f32) {
-    hit_count = 0u;
-    for (var i = 0u; i < sun.own; i++) {
-        let e = ellipsoids[i];
-        let steepest = max(e.row_x.w, max(e.row_y.w, e.row_z.w));
-        if length(ellipsoid_unit(e, middle, 1.0)) < 1.0 + radius * steepest {
-            if hit_count < MOST_HITS {
-                hits[hit_count] = i;
-            }
-            hit_count += 1u;
-        }
-    }
-}
-
-fn extinction_at(p: vec3f, blur: f32) -> f32 {
+fn extinction_at(p: vec3f, list: vec2u, blur: f32) -> f32 {
     let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
-    let listed = hit_count <= MOST_HITS;
     var matter = CLEAR;
-    for (var i = 0u; i < select(sun.own, hit_count, listed); i++) {
-        let e = ellipsoids[select(i, hits[min(i, MOST_HITS - 1u)], listed)];
+    for (var i = 0u; i < list.y; i++) {
+        let e = ellipsoids[candidates[list.x + i]];
         matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
     }
     return (1.0 - sun.chop) * matter.extinction;
@@ -48,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let corner = field.low + vec3f(field_place(field, id.x)) * field.cell;
-    collect_hits(corner + 0.5 * field.cell, 0.5 * length(field.cell));
+    let size = textureDimensions(sun_volume);
     let blur = 0.5 * min(field.cell.x, min(field.cell.y, field.cell.z));
     let kept = 1.0 - field.ahead;
     var sum = 0.0;
@@ -56,8 +39,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var open = 0.0;
     for (var i = 0u; i < 8u; i++) {
         let p = corner + (0.25 + 0.5 * vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u))) * field.cell;
-        let extinction = extinction_at(p, blur);
-        let depth = textureSampleLevel(sun_volume, clamped, light_box_coordinate(sun, p), 0.0).r;
+        let at = light_box_coordinate(sun, p);
+        let extinction = extinction_at(p, lists[light_box_brick(size, at)], blur);
+        let depth = textureSampleLevel(sun_volume, clamped, at, 0.0).r;
         let through = exp(-kept * depth);
         sum += extinction;
         lit += extinction * through;

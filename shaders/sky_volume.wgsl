@@ -5,7 +5,10 @@
 
 @group(0) @binding(0) var<uniform> box: LightBox;
 @group(0) @binding(1) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(0) @binding(5) var volume: texture_storage_3d<rgba16float, write>;
+// Lists of the ellipsoids in each brick.
+@group(0) @binding(5) var<storage, read> lists: array<vec2u>;
+@group(0) @binding(6) var<storage, read> candidates: array<u32>;
+@group(0) @binding(7) var volume: texture_storage_3d<rgba16float, write>;
 
 const SIDES: u32 = 6u;
 // Samples of each path, at distances that grow with their square.
@@ -14,8 +17,10 @@ const SAMPLES: u32 = 4u;
 // Mean extinction at a point without the forward peak.
 fn extinction_at(p: vec3f, blur: f32) -> f32 {
     var matter = CLEAR;
-    for (var i = 0u; i < box.own; i++) {
-        matter = matter_with(matter, ellipsoids[i], ellipsoid_unit(ellipsoids[i], p, 1.0), vec2f(0.0), blur);
+    let list = lists[light_box_brick(textureDimensions(volume), light_box_coordinate(box, p))];
+    for (var i = 0u; i < list.y; i++) {
+        let e = ellipsoids[candidates[list.x + i]];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), vec2f(0.0), blur);
     }
     return (1.0 - box.chop) * matter.extinction;
 }

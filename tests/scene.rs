@@ -286,12 +286,12 @@ fn too_many_clouds_and_ellipsoids_are_refused() {
     let mut more = full.clone();
     more.clouds.push(Cloud::default());
     let error = more.validate().unwrap_err().to_string();
-    assert!(error.contains("257 clouds") && error.contains("at most 256"), "{error}");
+    assert!(error.contains("4097 clouds") && error.contains("at most 4096"), "{error}");
 
     let mut more = full;
     more.clouds[7].ellipsoids.push(Ellipsoid::default());
     let error = more.validate().unwrap_err().to_string();
-    assert!(error.contains("4097 ellipsoids") && error.contains("at most 4096"), "{error}");
+    assert!(error.contains("65537 ellipsoids") && error.contains("at most 65536"), "{error}");
 }
 
 // --- Schema --------------------------------------------------------------------------

@@ -568,6 +568,30 @@ fn twins() -> Vec<Twin> {
             1e-3,
         ),
         twin(
+            "light_box_bricks",
+            "light_box",
+            "return vec4f(vec3f(light_box_bricks(vec3u(x[0].xyz))), 0.0);",
+            grid(&[1.0, 8.0, 9.0, 128.0], &[7.0, 16.0], &[8.0, 65.0], &[0.0]),
+            |x| out((xyz(x[0]) / 8.0).ceil()),
+            0.0,
+            0.0,
+        ),
+        twin(
+            "light_box_brick",
+            "light_box",
+            "return vec4f(f32(light_box_brick(vec3u(20u, 8u, 33u), x[0].xyz)), 0.0, 0.0, 0.0);",
+            grid(&[-0.3, 0.0, 0.39, 0.41, 1.0], &[0.0, 0.99, 2.0], &[-0.1, 0.24, 0.26, 0.98, 1.0], &[0.0]),
+            |x| {
+                // 3, 1 and 5 bricks.
+                let size = DVec3::new(20.0, 8.0, 33.0);
+                let voxel = (xyz(x[0]) * size).floor().clamp(DVec3::ZERO, size - 1.0);
+                let brick = (voxel / 8.0).floor();
+                one(brick.x + 3.0 * (brick.y + brick.z))
+            },
+            0.0,
+            0.0,
+        ),
+        twin(
             "light_box_normal",
             "light_box",
             "return vec4f(light_box_normal(leaning(vec3f(0.0)), x[0].x, x[0].y), 0.0);",

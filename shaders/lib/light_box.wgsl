@@ -34,6 +34,21 @@ fn light_box_coordinate(box: LightBox, p: vec3f) -> vec3f {
     return vec3f(dot(q, box.row_u), dot(q, box.row_v), dot(q, box.row_w));
 }
 
+// Edge of a brick, voxels: each brick has a list of the ellipsoids that reach into it.
+const BRICK: u32 = 8u;
+
+// Bricks along each axis of a box of `size` voxels.
+fn light_box_bricks(size: vec3u) -> vec3u {
+    return (size + BRICK - 1u) / BRICK;
+}
+
+// Number of the brick that holds texture coordinates, or of the nearest one.
+fn light_box_brick(size: vec3u, uvw: vec3f) -> u32 {
+    let brick = min(vec3u(saturate(uvw) * vec3f(size)), size - 1u) / BRICK;
+    let bricks = light_box_bricks(size);
+    return (brick.z * bricks.y + brick.y) * bricks.x + brick.x;
+}
+
 // The point at texture coordinates.
 fn light_box_point(box: LightBox, uvw: vec3f) -> vec3f {
     return box.corner + uvw.x * box.edge_u + uvw.y * box.edge_v + uvw.z * box.length * box.along;

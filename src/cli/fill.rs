@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{numbers, render::above_zero, terminal};
+use super::{numbers, picture::above_zero, terminal};
 use crate::{
     Error, Result,
     import::{Inside, fill, read_mesh},

@@ -7,8 +7,10 @@ mod export;
 mod fill;
 mod info;
 mod new;
+mod picture;
 mod render;
 mod schema;
+mod sequence;
 mod tables;
 mod terminal;
 mod trace;
@@ -32,6 +34,7 @@ enum Command {
     Render(render::Render),
     Export(export::Export),
     Fill(fill::Fill),
+    Sequence(Box<sequence::Sequence>),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -62,6 +65,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Fill(command) => command.run(),
+        Command::Sequence(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

@@ -142,11 +142,11 @@ impl CloudsPass {
         shared: &Shared<'_>,
         cloud: &CloudFrame,
         light: &CloudLight,
+        cover: &Cover,
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Option<Draw> {
         let uniform = uniform(shared, cloud, light);
-        let cover = Cover::new(&shared.frame.camera, uniform.camera, &cloud.ellipsoids);
         if cover.tiles.is_empty() {
             return None;
         }
@@ -157,7 +157,7 @@ impl CloudsPass {
             .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
         let layout = pipeline.get_bind_group_layout(0);
         let optics = self.textures(shared, &cloud.optics);
-        let group = bind(shared, cloud, light, optics, &uniform, &cover, &layout);
+        let group = bind(shared, cloud, light, optics, &uniform, cover, &layout);
         Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
     }
 

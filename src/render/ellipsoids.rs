@@ -45,6 +45,11 @@ impl EllipsoidUniform {
         }
     }
 
+    /// Those of `cloud` in such a frame.
+    pub(crate) fn of_cloud(cloud: &Cloud, origin: DVec3) -> impl Iterator<Item = Self> {
+        cloud.ellipsoids.iter().map(move |ellipsoid| Self::new(cloud, ellipsoid, origin))
+    }
+
     /// Half the extent of `axis . p`: along a unit vector, half the width in metres.
     pub(crate) fn support(&self, axis: Vec3) -> f32 {
         [self.row_x, self.row_y, self.row_z]

@@ -11,7 +11,7 @@ use crate::{Error, Result, scene::Scene};
 /// A scene at one moment, seen by one camera, for one size of picture.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// The scene that it was made from, wind applied.
+    /// The moment of the scene that it was made from.
     pub(crate) scene: Scene,
     pub(crate) camera: CameraUniform,
     pub(crate) camera_position: DVec3,
@@ -28,8 +28,8 @@ pub struct CloudFrame {
     /// Half the extent along the world's axes, m.
     pub(crate) half: DVec3,
     pub(crate) ellipsoids: Vec<EllipsoidUniform>,
-    /// Ellipsoids of other clouds, in this cloud's frame.
-    pub(crate) others: Vec<EllipsoidUniform>,
+    /// Which of the scene's clouds it is.
+    pub(crate) source: usize,
     pub(crate) optics: Arc<CloudOptics>,
     pub(crate) noise: NoiseFrame,
 }
@@ -40,29 +40,33 @@ impl Frame {
     /// # Errors
     /// Where a value of the scene is out of its range, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
-        scene.validate()?;
+        let mut moved = scene.at(scene.time)?;
         if size.contains(&0) {
             return Err(Error::Argument(format!(
                 "a picture of {} by {} pixels has none: both must be at least 1",
                 size[0], size[1]
             )));
         }
-        let camera = scene.camera();
-        let mut moved = scene.clone();
+        let camera = moved.camera();
         for cloud in &mut moved.clouds {
             cloud.ellipsoids = cloud.visible().cloned().collect();
         }
-        let blown = scene.wind.velocity * scene.time;
-        for ellipsoid in moved.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
-            ellipsoid.center += blown;
-        }
         Ok(Self {
-            camera: CameraUniform::new(&camera, scene.ground.altitude, size),
+            camera: CameraUniform::new(&camera, moved.ground.altitude, size),
             camera_position: camera.position,
-            to_sun: scene.sun.to_sun(),
+            to_sun: moved.sun.to_sun(),
             clouds: clouds(&moved)?,
             scene: moved,
         })
+    }
+
+    /// The ellipsoids of cloud `index` as they are in the frame whose origin is at `origin`.
+    pub(crate) fn ellipsoids_of(
+        &self,
+        index: usize,
+        origin: DVec3,
+    ) -> impl Iterator<Item = EllipsoidUniform> {
+        EllipsoidUniform::of_cloud(&self.scene.clouds[self.clouds[index].source], origin)
     }
 
     /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
@@ -94,13 +98,11 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     for (index, cloud) in scene.clouds.iter().enumerate() {
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let others = scene.clouds.iter().enumerate().filter(|(other, _)| *other != index);
-        let in_frame = |cloud| move |e| EllipsoidUniform::new(cloud, e, origin);
         frames.push(CloudFrame {
             origin,
             half: 0.5 * (max - min),
-            ellipsoids: cloud.ellipsoids.iter().map(in_frame(cloud)).collect(),
-            others: others.flat_map(|(_, other)| other.ellipsoids.iter().map(in_frame(other))).collect(),
+            ellipsoids: EllipsoidUniform::of_cloud(cloud, origin).collect(),
+            source: index,
             optics: CloudOptics::of(&cloud.droplets)?,
             noise: NoiseFrame::new(&scene.noise, origin),
         });
@@ -122,10 +124,9 @@ mod tests {
         scene.clouds[0].hidden = true;
         scene.clouds[1].ellipsoids[2].hidden = true;
         let some = Frame::new(&scene, [16, 9]).unwrap();
-        let counts =
-            |frame: &Frame| frame.clouds.iter().map(|c| (c.ellipsoids.len(), c.others.len())).collect();
+        let counts = |frame: &Frame| frame.clouds.iter().map(|c| (c.source, c.ellipsoids.len())).collect();
         let (before, after): (Vec<_>, Vec<_>) = (counts(&all), counts(&some));
-        assert_eq!((before, after), (vec![(8, 8), (8, 8)], vec![(7, 0)]));
+        assert_eq!((before, after), (vec![(0, 8), (1, 8)], vec![(1, 7)]));
         // What the path tracer takes.
         assert_eq!(some.scene.clouds.iter().map(|c| c.ellipsoids.len()).sum::<usize>(), 7);
         assert_eq!(some.camera_position, all.camera_position);

@@ -7,8 +7,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3, Vec3Swizzles};
 
 use super::{
+    bricks::Bricks,
     ellipsoids::EllipsoidUniform,
     frame::CloudFrame,
+    light_plan::Detail,
     moments::{FieldBox, Lights, MomentsPass},
     noise::NoiseFrame,
     optics::CloudOptics,
@@ -62,7 +64,7 @@ impl Lean {
 impl LightBox {
     /// The tightest box around `own` with columns along `along`, one texel of
     /// `resolution` wider on each side, and those of `others` that shade it.
-    fn new(
+    pub(super) fn new(
         own: &[EllipsoidUniform],
         others: &[EllipsoidUniform],
         along: Vec3,
@@ -107,7 +109,7 @@ impl LightBox {
         (light_box, own.iter().copied().chain(shading).collect())
     }
 
-    fn voxels(&self, resolution: u32) -> [u32; 3] {
+    pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }
@@ -129,36 +131,14 @@ pub(super) struct LightPass {
     moments: Option<MomentsPass>,
 }
 
-/// What a cloud's light depends on.
+/// What a volume of optical depths depends on.
 #[derive(Clone, PartialEq)]
 struct Key {
     ellipsoids: Vec<EllipsoidUniform>,
     noise: NoiseFrame,
     seed: u32,
     light_box: LightBox,
-}
-
-/// The prepared light of one cloud.
-pub(super) struct CloudLight {
-    pub sun_box: LightBox,
-    pub sky_box: LightBox,
-    pub sun_volume: wgpu::TextureView,
-    pub sun_depths: wgpu::TextureView,
-    pub sun_normals: wgpu::TextureView,
-    pub sky_volume: wgpu::TextureView,
-    pub moments: Option<CloudMoments>,
-    sun_key: Key,
-    sky_key: Option<Key>,
-}
-
-/// The moments of a cloud's light, on grids in one box.
-#[derive(Clone)]
-pub(super) struct CloudMoments {
-    pub field_box: FieldBox,
-    pub sun: wgpu::TextureView,
-    pub sky: wgpu::TextureView,
-    sun_key: (Key, Medium),
-    sky_key: Option<(Medium, Option<SkySettings>)>,
+    voxels: [u32; 3],
 }
 
 /// What fills a cloud, and on how many cells its light is solved for.
@@ -171,6 +151,86 @@ struct Medium {
     cells: u32,
 }
 
+/// What a cloud's light is made for; where that is the same, so is the light.
+#[derive(Clone, PartialEq)]
+pub(super) struct Wanted {
+    sun: Key,
+    sky: Option<Key>,
+    /// Of the moments, where light is solved for; those of the sun depend on `sun`, too.
+    medium: Option<Medium>,
+    sky_medium: Option<(Medium, Option<SkySettings>)>,
+}
+
+impl Wanted {
+    /// Light for `cloud` in the shadow of `others`.
+    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, others: &[EllipsoidUniform], detail: Detail) -> Self {
+        // What asks for no light gets the smallest.
+        let resolution = if inputs.sunlit { detail.resolution } else { 16 };
+        let sky_resolution = (resolution / 4).clamp(8, 32);
+        let medium = |cells: u32| Medium {
+            ellipsoids: cloud.ellipsoids.clone(),
+            noise: cloud.noise,
+            seed: inputs.seed,
+            optics: cloud.optics.clone(),
+            cells,
+        };
+        let coarse = || (medium((detail.cells / 2).max(8)), inputs.sky.settings());
+        Self {
+            sun: key(inputs, cloud, others, -inputs.to_sun, resolution),
+            sky: inputs.openness.then(|| key(inputs, cloud, &[], DVec3::NEG_Y, sky_resolution)),
+            medium: inputs.moments.then(|| medium(detail.cells)),
+            sky_medium: (inputs.moments && inputs.lit_by_sky).then(coarse),
+        }
+    }
+}
+
+/// The prepared light of one cloud.
+pub(super) struct CloudLight {
+    pub sun_box: LightBox,
+    pub sky_box: LightBox,
+    pub sun_volume: wgpu::TextureView,
+    pub sun_depths: wgpu::TextureView,
+    pub sun_normals: wgpu::TextureView,
+    pub sky_volume: wgpu::TextureView,
+    pub moments: Option<CloudMoments>,
+    made_for: Wanted,
+}
+
+impl CloudLight {
+    /// Memory of its textures, bytes.
+    pub fn bytes(&self) -> u64 {
+        let moments = self.moments.iter().flat_map(|moments| [&moments.sun, &moments.sky]);
+        let own = [&self.sun_volume, &self.sun_depths, &self.sun_normals, &self.sky_volume];
+        own.into_iter().chain(moments).map(|view| bytes(view.texture())).sum()
+    }
+
+    /// Whether nothing that it depends on has changed.
+    pub fn is(&self, wanted: &Wanted) -> bool {
+        self.made_for == *wanted
+    }
+
+    /// Whether it has all the parts, if of another moment.
+    pub fn stands_in_for(&self, wanted: &Wanted) -> bool {
+        let parts = |w: &Wanted| [w.sky.is_some(), w.medium.is_some(), w.sky_medium.is_some()];
+        parts(&self.made_for) == parts(wanted)
+    }
+}
+
+/// The moments of a cloud's light, on grids in one box.
+#[derive(Clone)]
+pub(super) struct CloudMoments {
+    pub field_box: FieldBox,
+    pub sun: wgpu::TextureView,
+    pub sky: wgpu::TextureView,
+}
+
+/// Moments that need not be solved for.
+#[derive(Default)]
+struct Solved {
+    sun: Option<wgpu::TextureView>,
+    sky: Option<wgpu::TextureView>,
+}
+
 /// What the passes share.
 pub(super) struct Inputs<'a> {
     pub device: &'a wgpu::Device,
@@ -178,11 +238,12 @@ pub(super) struct Inputs<'a> {
     pub repeat: &'a wgpu::Sampler,
     pub seed: u32,
     pub to_sun: DVec3,
-    pub resolution: u32,
     /// Whether anything needs to know how open the cloud is.
     pub openness: bool,
-    /// Cells along the longest axis of the grid that light is solved for on, where it is.
-    pub moments: Option<u32>,
+    /// Whether light is solved for on a grid.
+    pub moments: bool,
+    /// Whether anything asks for the light of the sun.
+    pub sunlit: bool,
     pub lit_by_sky: bool,
     pub sky: &'a Sky,
     pub timing: Option<&'a Timing>,
@@ -199,95 +260,83 @@ impl LightPass {
         }
     }
 
-    /// Light for `cloud`, taken over from `before` where nothing it depends on changed.
-    /// Counts the volumes that were redone in `redone`.
+    /// The light of `cloud` that is `wanted`, taken over from `before` where nothing it depends on
+    /// changed. Counts the volumes that were redone in `redone`.
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
+        wanted: Wanted,
         before: Option<CloudLight>,
         redone: &mut u32,
     ) -> CloudLight {
-        let sun_key = key(inputs, cloud, -inputs.to_sun, inputs.resolution);
-        let sky_resolution = (inputs.resolution / 4).clamp(8, 32);
-        let sky_key = inputs.openness.then(|| key(inputs, cloud, DVec3::NEG_Y, sky_resolution));
-        let (mut sun, mut sky, mut moments) = (None, None, None);
+        let (mut sun, mut sky) = (None, None);
+        let mut known = Solved::default();
         if let Some(before) = before {
-            moments = before.moments;
-            if before.sun_key == sun_key {
-                sun = Some((before.sun_volume, before.sun_depths, before.sun_normals));
-            }
-            if before.sky_key == sky_key {
+            let made_for = &before.made_for;
+            if made_for.sky == wanted.sky {
                 sky = Some(before.sky_volume);
+            }
+            if let Some(moments) = before.moments {
+                let same = made_for.sun == wanted.sun && made_for.medium == wanted.medium;
+                known.sun = same.then_some(moments.sun);
+                known.sky = (made_for.sky_medium == wanted.sky_medium).then_some(moments.sky);
+            }
+            if made_for.sun == wanted.sun {
+                sun = Some((before.sun_volume, before.sun_depths, before.sun_normals));
             }
         }
         let (sun_volume, sun_depths, sun_normals) = sun.unwrap_or_else(|| {
             *redone += 1;
-            self.sun(encoder, inputs, &sun_key)
+            self.sun(encoder, inputs, &wanted.sun)
         });
-        let sky_volume = sky.unwrap_or_else(|| match &sky_key {
+        let sky_volume = sky.unwrap_or_else(|| match &wanted.sky {
             Some(sky_key) => {
                 *redone += 1;
-                self.sky(encoder, inputs, sky_key, sky_resolution)
+                self.sky(encoder, inputs, sky_key)
             }
             None => view(&volume(inputs.device, "no sky volume", [1, 1, 1])),
         });
-        let moments = inputs.moments.map(|cells| {
-            let sun = (&sun_key, &sun_volume);
-            self.moments(encoder, inputs, cloud, sun, cells, moments, redone)
+        let moments = wanted.medium.as_ref().map(|medium| {
+            self.moments(encoder, inputs, cloud, (&wanted, medium), &sun_volume, known, redone)
         });
         CloudLight {
             moments,
-            sun_box: sun_key.light_box,
-            sky_box: sky_key.as_ref().map_or(sun_key.light_box, |key| key.light_box),
+            sun_box: wanted.sun.light_box,
+            sky_box: wanted.sky.as_ref().map_or(wanted.sun.light_box, |key| key.light_box),
             sun_volume,
             sun_depths,
             sun_normals,
             sky_volume,
-            sun_key,
-            sky_key,
+            made_for: wanted,
         }
     }
 
-    /// Moments of the light in `cloud`, taken over from `before` where nothing changed.
+    /// Moments of the light in `cloud`, but for those that are `known`.
     #[allow(clippy::too_many_arguments)]
     fn moments(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
-        (sun_key, sun_volume): (&Key, &wgpu::TextureView),
-        cells: u32,
-        before: Option<CloudMoments>,
+        (wanted, medium): (&Wanted, &Medium),
+        sun_volume: &wgpu::TextureView,
+        known: Solved,
         redone: &mut u32,
     ) -> CloudMoments {
-        let medium = Medium {
-            ellipsoids: cloud.ellipsoids.clone(),
-            noise: cloud.noise,
-            seed: inputs.seed,
-            optics: cloud.optics.clone(),
-            cells,
-        };
-        let coarse = Medium { cells: (cells / 2).max(8), ..medium.clone() };
-        let sky_key = inputs.lit_by_sky.then(|| (coarse, inputs.sky.settings()));
-        let sun_key = (sun_key.clone(), medium);
-        let (mut sun, mut sky) = (None, None);
-        if let Some(before) = before {
-            sun = (before.sun_key == sun_key).then_some(before.sun);
-            sky = (before.sky_key == sky_key).then_some(before.sky);
-        }
         let pass = self.moments.get_or_insert_with(|| MomentsPass::new(inputs.device));
         let mut solve = |lights, cells| {
             *redone += 1;
-            pass.solve(encoder, inputs, cloud, (&sun_key.0.light_box, sun_volume), lights, cells)
+            let sun = (&wanted.sun.light_box, wanted.sun.voxels, sun_volume);
+            pass.solve(encoder, inputs, cloud, sun, lights, cells)
         };
-        let sun = sun.unwrap_or_else(|| solve(Lights::Sun, cells));
-        let sky = sky.unwrap_or_else(|| match &sky_key {
-            Some((medium, _)) => solve(Lights::Sky, medium.cells),
+        let sun = known.sun.unwrap_or_else(|| solve(Lights::Sun, medium.cells));
+        let sky = known.sky.unwrap_or_else(|| match &wanted.sky_medium {
+            Some((coarse, _)) => solve(Lights::Sky, coarse.cells),
             None => view(&volume(inputs.device, "no sky moments", [1, 1, 1])),
         });
-        CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky, sun_key, sky_key }
+        CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky }
     }
 
     fn sun(
@@ -297,16 +346,15 @@ impl LightPass {
         key: &Key,
     ) -> (wgpu::TextureView, wgpu::TextureView, wgpu::TextureView) {
         let device = inputs.device;
-        let voxels = key.light_box.voxels(inputs.resolution);
-        let sun_volume = view(&volume(device, "sun volume", voxels));
-        let [depths, normals] =
-            ["sun depths", "sun normals"].map(|label| map(device, label, inputs.resolution));
+        let resolution = key.voxels[0];
+        let sun_volume = view(&volume(device, "sun volume", key.voxels));
+        let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, resolution));
         let [depths_0, normals_0] = [&depths, &normals].map(|map| level(map, 0));
         let buffers = Buffers::new(inputs, key);
         let mut resources = buffers.bindings(inputs);
         resources.extend([&sun_volume, &depths_0].map(texture));
         let group = self.sun_maps.bind(device, &resources);
-        let groups = inputs.resolution.div_ceil(8);
+        let groups = resolution.div_ceil(8);
         let stamps = || inputs.timing.and_then(|timing| timing.compute("sun maps"));
         self.sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
         let resources =
@@ -319,23 +367,16 @@ impl LightPass {
         (sun_volume, view(&depths), view(&normals))
     }
 
-    fn sky(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        inputs: &Inputs<'_>,
-        key: &Key,
-        resolution: u32,
-    ) -> wgpu::TextureView {
-        let voxels = key.light_box.voxels(resolution);
-        let sky_volume = view(&volume(inputs.device, "sky volume", voxels));
+    fn sky(&self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs<'_>, key: &Key) -> wgpu::TextureView {
+        let sky_volume = view(&volume(inputs.device, "sky volume", key.voxels));
         let buffers = Buffers::new(inputs, key);
         // The bindings of the sun maps, without those of the noise.
         let mut resources = buffers.bindings(inputs);
-        resources[2..].fill(None);
+        resources[2..5].fill(None);
         resources.push(texture(&sky_volume));
         let group = self.sky_volume.bind(inputs.device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        self.sky_volume.dispatch(encoder, &group, voxels.map(|n| n.div_ceil(4)), stamps);
+        self.sky_volume.dispatch(encoder, &group, key.voxels.map(|n| n.div_ceil(4)), stamps);
         sky_volume
     }
 
@@ -351,23 +392,35 @@ impl LightPass {
     }
 }
 
-fn key(inputs: &Inputs<'_>, cloud: &CloudFrame, along: DVec3, resolution: u32) -> Key {
-    let (mut light_box, ellipsoids) =
-        LightBox::new(&cloud.ellipsoids, &cloud.others, along.as_vec3(), resolution);
+fn key(
+    inputs: &Inputs<'_>,
+    cloud: &CloudFrame,
+    others: &[EllipsoidUniform],
+    along: DVec3,
+    resolution: u32,
+) -> Key {
+    let (mut light_box, ellipsoids) = LightBox::new(&cloud.ellipsoids, others, along.as_vec3(), resolution);
     light_box.chop = cloud.optics.chop;
     light_box.asymmetry = cloud.optics.asymmetry;
-    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box }
+    let voxels = light_box.voxels(resolution);
+    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box, voxels }
 }
 
+/// What a pass through a light box binds.
 struct Buffers {
     light_box: wgpu::Buffer,
     ellipsoids: wgpu::Buffer,
     noise: wgpu::Buffer,
+    lists: wgpu::Buffer,
+    candidates: wgpu::Buffer,
 }
 
 impl Buffers {
     fn new(inputs: &Inputs<'_>, key: &Key) -> Self {
+        let bricks = Bricks::new(&key.light_box, &key.ellipsoids, key.voxels);
         Self {
+            lists: gpu::storage_buffer(inputs.device, "bricks", &bricks.lists),
+            candidates: gpu::storage_buffer(inputs.device, "ellipsoids of bricks", &bricks.candidates),
             light_box: gpu::uniform_buffer(inputs.device, "light box", &key.light_box),
             ellipsoids: gpu::storage_buffer(inputs.device, "ellipsoids and occluders", &key.ellipsoids),
             noise: gpu::uniform_buffer(inputs.device, "noise frame", &key.noise),
@@ -381,8 +434,19 @@ impl Buffers {
             Some(self.noise.as_entire_binding()),
             Some(wgpu::BindingResource::TextureView(inputs.noise_volume)),
             Some(wgpu::BindingResource::Sampler(inputs.repeat)),
+            Some(self.lists.as_entire_binding()),
+            Some(self.candidates.as_entire_binding()),
         ]
     }
+}
+
+/// Memory of a texture of half floats, bytes; maps have mips.
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    let level =
+        |mip: u32| u64::from((texture.width() >> mip).max(1)) * u64::from((texture.height() >> mip).max(1));
+    (0..texture.mip_level_count())
+        .map(|mip| 8 * level(mip) * u64::from(texture.depth_or_array_layers()))
+        .sum()
 }
 
 fn volume(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {

@@ -1,5 +1,6 @@
 //! The real-time renderer: one file a pass, with the same stem as its shader.
 
+mod bricks;
 mod camera;
 mod clouds;
 mod compose;
@@ -8,8 +9,11 @@ mod frame;
 #[cfg(test)]
 mod layouts;
 mod light;
+mod light_plan;
+mod light_store;
 mod moments;
 mod noise;
+mod occluders;
 mod optics;
 mod quality;
 mod renderer;

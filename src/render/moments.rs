@@ -22,6 +22,7 @@ mod rounds;
 use glam::{UVec3, Vec3, Vec4};
 
 use super::{
+    bricks::Bricks,
     ellipsoids::EllipsoidUniform,
     frame::CloudFrame,
     light::{Inputs, LightBox},
@@ -57,6 +58,8 @@ pub(super) struct MomentsPass {
     start: ComputeProgram,
     scatter: ComputeProgram,
     store: ComputeProgram,
+    /// Radiance and source: one solution after another uses them, however many clouds there are.
+    scratch: Option<[wgpu::Buffer; 2]>,
 }
 
 /// What is solved for.
@@ -91,11 +94,15 @@ struct Solver<'a> {
     pass: &'a MomentsPass,
     inputs: &'a Inputs<'a>,
     field_box: FieldBox,
+    /// Radiance and source.
+    scratch: [wgpu::Buffer; 2],
     lights: Lights,
     optics: &'a CloudOptics,
     ellipsoids: wgpu::Buffer,
     noise: wgpu::Buffer,
     sun_box: wgpu::Buffer,
+    lists: wgpu::Buffer,
+    candidates: wgpu::Buffer,
     sun_volume: &'a wgpu::TextureView,
     clamped: wgpu::Sampler,
     directions: wgpu::Buffer,
@@ -139,31 +146,46 @@ impl MomentsPass {
             start: program("moments_scatter", &[("FIRST", 1.0)]),
             scatter: program("moments_scatter", &[]),
             store: program("moments_store", &[]),
+            scratch: None,
         }
+    }
+
+    /// Two buffers of at least `size` bytes, the same as before where those are large enough.
+    fn scratch(&mut self, device: &wgpu::Device, size: u64) -> [wgpu::Buffer; 2] {
+        let kept = self.scratch.take().filter(|buffers| buffers[0].size() >= size);
+        let make = || ["radiance", "source"].map(|label| scratch(device, label, size));
+        self.scratch.insert(kept.unwrap_or_else(make)).clone()
     }
 
     /// Solves for the moments of `lights` in a cloud, `most` cells along its longest axis.
     pub fn solve(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
-        sun: (&LightBox, &wgpu::TextureView),
+        (sun_box, voxels, sun_volume): (&LightBox, [u32; 3], &wgpu::TextureView),
         lights: Lights,
         most: u32,
     ) -> wgpu::TextureView {
         let device = inputs.device;
         let ways = directions();
+        let field_box = FieldBox::new(&cloud.ellipsoids);
+        let numbers = u64::from(field_box.size(most).element_product() * lights.count()) * DIRECTIONS as u64;
+        let scratch = self.scratch(device, numbers * size_of::<f32>() as u64);
+        let bricks = Bricks::new(sun_box, &cloud.ellipsoids, voxels);
         let solver = Solver {
             pass: self,
             inputs,
-            field_box: FieldBox::new(&cloud.ellipsoids),
+            field_box,
+            scratch,
             lights,
             optics: &cloud.optics,
             ellipsoids: gpu::storage_buffer(device, "ellipsoids", &cloud.ellipsoids),
             noise: gpu::uniform_buffer::<NoiseFrame>(device, "noise frame", &cloud.noise),
-            sun_box: gpu::uniform_buffer(device, "sun box", sun.0),
-            sun_volume: sun.1,
+            sun_box: gpu::uniform_buffer(device, "sun box", sun_box),
+            lists: gpu::storage_buffer(device, "bricks", &bricks.lists),
+            candidates: gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
+            sun_volume,
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &ways),
             entering: gpu::storage_buffer(device, "entering light", &vec![0.0f32; 3 * DIRECTIONS]),
@@ -194,17 +216,14 @@ impl Solver<'_> {
             self.enter(compute);
         }
         let sizes = sizes(most);
-        let finest = self.uniform(most);
-        let numbers = u64::from(cells(&finest)) * u64::from(self.lights.count()) * DIRECTIONS as u64;
-        let [radiance, source] =
-            ["radiance", "source"].map(|label| scratch(device, label, numbers * size_of::<f32>() as u64));
+        let [radiance, source] = &self.scratch;
         let relaxations =
             relaxations().map(|relaxation| gpu::uniform_buffer(device, "relaxation", &relaxation));
         let mut before: Option<Level> = None;
         for &size in &sizes {
             let level = Level::new(device, self.uniform(size));
             let medium = self.medium(compute, &level);
-            let buffers = [&medium, &radiance, &source];
+            let buffers = [&medium, radiance, source];
             self.round(compute, &self.pass.start, &level, before.as_ref(), buffers, &relaxations[0]);
             for relaxation in &relaxations {
                 self.sweep(compute, &level, buffers);
@@ -264,6 +283,8 @@ impl Solver<'_> {
                 Some(wgpu::BindingResource::Sampler(&self.clamped)),
                 Some(wgpu::BindingResource::TextureView(self.sun_volume)),
                 Some(filled.as_entire_binding()),
+                Some(self.lists.as_entire_binding()),
+                Some(self.candidates.as_entire_binding()),
             ],
         );
         self.pass.medium.record(compute, &group, [count.div_ceil(64), 1, 1]);

@@ -7,14 +7,18 @@ use super::{
     clouds::{CloudsPass, Draw, Shared},
     compose::Compose,
     frame::{CloudFrame, Frame},
-    light::{CloudLight, Inputs, LightPass},
+    light::Inputs,
+    light_store::LightStore,
     noise,
     sky::Sky,
     sky_settings::SkySettings,
     slab_textures::{SlabTable, SlabTextures},
     stats::Counters,
     target::{Layers, SceneDepth, Target},
+    tiles::Cover,
 };
+use rayon::prelude::*;
+
 use crate::scene::Tone;
 use crate::{
     Result,
@@ -95,15 +99,19 @@ pub struct Renderer {
     /// Whether the air between camera and clouds dims them and shines itself; without it the
     /// light is that of the clouds alone, as path traced pictures have it.
     pub aerial: bool,
+    /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
+    /// what they have, of another moment. For windows in which something moves; no limit where
+    /// left alone.
+    pub lights_at_once: u32,
     /// Whether to count work; slower.
     pub counting: bool,
     /// Times the passes where the adapter can.
     pub timing: Option<Timing>,
     noise: Option<(u32, wgpu::TextureView)>,
-    lights: Vec<Option<CloudLight>>,
+    lights: LightStore,
+    covers: Vec<Cover>,
     redone: u32,
     sky: Sky,
-    light_pass: LightPass,
     clouds: CloudsPass,
     slab: Option<((Transport, SlabTable), SlabTextures)>,
     compose: Option<(wgpu::TextureFormat, Compose)>,
@@ -113,8 +121,8 @@ pub struct Renderer {
     no_depth: wgpu::TextureView,
 }
 
-/// Tiles of one submission: a second or two in final quality on two CPU cores.
-const PIECE: u32 = 256;
+/// May submit what was recorded so far.
+type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder);
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -129,13 +137,14 @@ impl Renderer {
             quality: Quality::default(),
             transport: Transport::default(),
             aerial: true,
+            lights_at_once: u32::MAX,
             counting: false,
             timing: None,
             noise: None,
-            lights: Vec::new(),
+            lights: LightStore::new(device),
+            covers: Vec::new(),
             redone: 0,
             sky: Sky::new(device),
-            light_pass: LightPass::new(device),
             clouds: CloudsPass::new(device),
             slab: None,
             slab_table: SlabTable::default(),
@@ -151,11 +160,14 @@ impl Renderer {
     /// uniforms of a second one would reach the first. Submit the encoder: what it makes for
     /// later frames counts as made.
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
-        let draws = self.begin(encoder, frame, target);
-        for draw in &draws {
-            self.draw_clouds(encoder, draw, 0..draw.tiles, &[target.color], self.format);
-        }
-        self.end(encoder);
+        let mut pieces = self.begin_pieces(encoder, frame, target);
+        self.draw_pieces(encoder, &mut pieces, u32::MAX);
+    }
+
+    /// Records the light of the clouds of `frame` alone, of [`Renderer::lights_at_once`] at most: a
+    /// picture that follows finds it made.
+    pub fn prepare_light(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        self.prepare(encoder, frame, &mut |_| ());
     }
 
     /// Records the sky alone, over all of `color`: for callers that draw geometry between
@@ -183,8 +195,8 @@ impl Renderer {
         progress: &mut dyn FnMut(f64),
     ) -> Result<()> {
         let mut encoder = self.encoder();
-        let draws = self.begin(&mut encoder, frame, target);
-        self.submit_pieces(gpu, encoder, &draws, &[target.color], self.format, progress)
+        let pieces = self.begin(&mut encoder, frame, target, &mut |encoder| submit(gpu, encoder));
+        self.draw_all(gpu, encoder, pieces, progress)
     }
 
     /// Draws the light of `frame` apart, in pieces.
@@ -198,66 +210,19 @@ impl Renderer {
         progress: &mut dyn FnMut(f64),
     ) -> Result<Layers> {
         let mut encoder = self.encoder();
-        self.prepare(&mut encoder, frame);
-        let [sky, single, multiple, air, distance, normal] =
-            ["sky", "single", "multiple", "air", "distance", "normal"]
-                .map(|label| self.picture(label, frame.size(), HDR));
-        self.sky.draw(&self.device, &mut encoder, &view(&sky), HDR, self.timing.as_ref());
-        let targets = [&single, &multiple, &air, &distance, &normal].map(view);
-        for target in &targets {
-            clear(&mut encoder, target);
-        }
-        let draws = self.draws(frame, None, "normals", HDR);
-        self.submit_pieces(gpu, encoder, &draws, &[&targets[4]], HDR, &mut |share| progress(0.2 * share))?;
-        let draws = self.draws(frame, None, "layers", HDR);
-        let lit = [&targets[0], &targets[1], &targets[2], &targets[3]];
-        self.submit_pieces(gpu, self.encoder(), &draws, &lit, HDR, &mut |share| progress(0.2 + 0.8 * share))?;
-        Ok(Layers { sky, single, multiple, air, distance, normal })
+        let (layers, pieces) = self.begin_apart(&mut encoder, frame, &mut |encoder| submit(gpu, encoder));
+        self.draw_all(gpu, encoder, pieces, progress)?;
+        Ok(layers)
     }
 
     fn encoder(&self) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&Default::default())
     }
 
-    fn begin(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) -> Vec<Draw> {
-        self.prepare(encoder, frame);
-        if target.sky {
-            self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
-        }
-        self.draws(frame, target.depth.as_ref(), "beauty", self.format)
-    }
-
     fn end(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some(timing) = &self.timing {
             timing.resolve(encoder);
         }
-    }
-
-    fn submit_pieces(
-        &self,
-        gpu: &Gpu,
-        mut encoder: wgpu::CommandEncoder,
-        draws: &[Draw],
-        targets: &[&wgpu::TextureView],
-        format: wgpu::TextureFormat,
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<()> {
-        let total: u32 = draws.iter().map(|draw| draw.tiles).sum();
-        let mut done = 0;
-        for draw in draws {
-            for first in (0..draw.tiles).step_by(PIECE as usize) {
-                let last = (first + PIECE).min(draw.tiles);
-                self.draw_clouds(&mut encoder, draw, first..last, targets, format);
-                let full = std::mem::replace(&mut encoder, self.encoder());
-                self.queue.submit([full.finish()]);
-                gpu.finish("drawing clouds")?;
-                done += last - first;
-                progress(f64::from(done) / f64::from(total));
-            }
-        }
-        self.end(&mut encoder);
-        self.queue.submit([encoder.finish()]);
-        gpu.finish("drawing clouds")
     }
 
     /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
@@ -299,16 +264,27 @@ impl Renderer {
     /// How many volumes and tables of light this renderer has made so far: a frame that
     /// changes nothing adds none.
     pub fn light_updates(&self) -> u32 {
-        self.redone
+        self.redone + self.lights.redone
     }
 
-    fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+    /// Clouds of the last picture that wait for their light: see [`Renderer::lights_at_once`].
+    pub fn lights_waiting(&self) -> u32 {
+        self.lights.waiting
+    }
+
+    /// Memory that the light in the clouds takes, bytes: at most twice what 64 clouds of the
+    /// largest kind take in this quality, or the coarsest light of all that are in the picture.
+    pub fn light_bytes(&self) -> u64 {
+        self.lights.bytes()
+    }
+
+    fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
         if self.counting {
             self.counters.clear(encoder);
         }
         self.prepare_sky(encoder, frame);
         self.prepare_noise(frame.scene.noise.seed);
-        self.prepare_lights(encoder, frame);
+        self.prepare_lights(encoder, frame, flush);
         let wanted = (self.transport, self.slab_table);
         if self.slab.as_ref().is_none_or(|(known, _)| *known != wanted) {
             self.slab = Some((wanted, SlabTextures::new(&self.device, &self.queue, wanted.0, wanted.1)));
@@ -335,44 +311,29 @@ impl Renderer {
         }
     }
 
-    fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+    /// Finds where the clouds are in the picture, and makes the light of those that are.
+    fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
+        let cover = |cloud: &CloudFrame| {
+            Cover::new(&frame.camera, (frame.camera_position - cloud.origin).as_vec3(), &cloud.ellipsoids)
+        };
+        self.covers = frame.clouds.par_iter().map(cover).collect();
         let Some((seed, noise_volume)) = &self.noise else { return };
-        let largest = frame.clouds.iter().map(|cloud| cloud.half.length()).fold(0.0, f64::max);
-        let mut before = std::mem::take(&mut self.lights).into_iter();
-        for cloud in &frame.clouds {
-            let inputs = Inputs {
-                device: &self.device,
-                noise_volume,
-                repeat: &self.repeat,
-                seed: *seed,
-                to_sun: frame.to_sun,
-                resolution: self.resolution(cloud, largest),
-                openness: self.transport.needs_openness(self.sky.lights()),
-                moments: (self.transport == Transport::Moments).then(|| self.cells(cloud, largest)),
-                lit_by_sky: self.sky.lights(),
-                sky: &self.sky,
-                timing: self.timing.as_ref(),
-            };
-            let kept = before.next().flatten();
-            let light = self.light_pass.prepare(encoder, &inputs, cloud, kept, &mut self.redone);
-            self.lights.push(Some(light));
-        }
-    }
-
-    /// Smaller clouds get smaller maps: voxels of about one size in a scene. What asks for no
-    /// light gets the smallest.
-    fn resolution(&self, cloud: &CloudFrame, largest: f64) -> u32 {
-        let share = cloud.half.length() / largest.max(1e-6);
-        let wanted = (share * f64::from(self.quality.light_resolution)) as u32;
-        let most = if self.transport == Transport::Emitter { 0 } else { self.quality.light_resolution };
-        wanted.next_power_of_two().clamp(16, most.max(16))
-    }
-
-    /// Cells of the grid that light is solved for on: of about one size in a scene, too.
-    fn cells(&self, cloud: &CloudFrame, largest: f64) -> u32 {
-        let most = self.quality.light_cells.clamp(8, 64);
-        let share = cloud.half.length() / largest.max(1e-6);
-        ((share * f64::from(most)).ceil() as u32).clamp(8, most)
+        let inputs = Inputs {
+            device: &self.device,
+            noise_volume,
+            repeat: &self.repeat,
+            seed: *seed,
+            to_sun: frame.to_sun,
+            openness: self.transport.needs_openness(self.sky.lights()),
+            moments: self.transport == Transport::Moments,
+            sunlit: self.transport != Transport::Emitter,
+            lit_by_sky: self.sky.lights(),
+            sky: &self.sky,
+            timing: self.timing.as_ref(),
+        };
+        let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
+        let most = self.lights_at_once;
+        self.lights.prepare(encoder, &inputs, frame, &self.quality, &in_view, most, flush);
     }
 
     /// The clouds in the picture, far ones first.
@@ -414,29 +375,36 @@ impl Renderer {
         order
             .into_iter()
             .filter_map(|i| {
-                let light = self.lights.get(i)?.as_ref()?;
-                self.clouds.prepare(&shared, &frame.clouds[i], light, entry, format)
+                let light = self.lights.get(i)?;
+                self.clouds.prepare(&shared, &frame.clouds[i], light, &self.covers[i], entry, format)
             })
             .collect()
     }
 
-    fn draw_clouds(
+    /// Begins a pass over what `targets` hold.
+    fn clouds_pass<'a>(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
-        draw: &Draw,
-        tiles: std::ops::Range<u32>,
-        targets: &[&wgpu::TextureView],
-        format: wgpu::TextureFormat,
-    ) {
+        encoder: &'a mut wgpu::CommandEncoder,
+        targets: &[wgpu::TextureView],
+    ) -> wgpu::RenderPass<'a> {
         let attachments: Vec<_> =
             targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clouds"),
             color_attachments: &attachments,
             timestamp_writes: self.timing.as_ref().and_then(|timing| timing.render("clouds")),
             ..Default::default()
-        });
-        self.clouds.draw(&mut pass, format, draw, tiles);
+        })
+    }
+}
+
+/// Submits what was recorded and waits for it: what it alone used is free again, and no
+/// submission runs into a driver's time limit. Failures show when the picture is finished.
+fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+    let full = std::mem::replace(encoder, gpu.device.create_command_encoder(&Default::default()));
+    gpu.queue.submit([full.finish()]);
+    if let Err(error) = gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+        tracing::error!(%error, "waiting for light");
     }
 }
 

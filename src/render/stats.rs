@@ -17,11 +17,13 @@ pub struct Counts {
     pub noise_reads: u64,
     /// Reads of sun maps, sun volume and sky volume.
     pub map_reads: u64,
+    /// Ellipsoids that a ray or a point was compared with.
+    pub ellipsoids: u64,
 }
 
 impl Counts {
     /// Names and numbers, in order.
-    pub fn named(&self) -> [(&'static str, u64); 6] {
+    pub fn named(&self) -> [(&'static str, u64); 7] {
         [
             ("rays", self.rays),
             ("rays that hit", self.rays_hit),
@@ -29,11 +31,12 @@ impl Counts {
             ("density evaluations", self.density_evaluations),
             ("noise reads", self.noise_reads),
             ("map reads", self.map_reads),
+            ("ellipsoids", self.ellipsoids),
         ]
     }
 }
 
-const COUNTERS: usize = 6;
+const COUNTERS: usize = 7;
 
 /// The buffer that the shader counts in.
 pub(super) struct Counters(wgpu::Buffer);
@@ -61,6 +64,7 @@ impl Counters {
             density_evaluations: total(3),
             noise_reads: total(4),
             map_reads: total(5),
+            ellipsoids: total(6),
         })
     }
 }

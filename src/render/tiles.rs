@@ -7,6 +7,11 @@ use glam::{UVec2, Vec2, Vec3, Vec3A};
 use super::{camera::CameraUniform, ellipsoids::EllipsoidUniform};
 
 const TILE: u32 = 16;
+/// Quarters of a tile are tiles of their own where one of them is empty.
+const SMALL: u32 = TILE / 2;
+/// Where a tile sees more ellipsoids than these, it is cut down to this size, pixels.
+const MANY: usize = 64;
+const SMALLEST: u32 = 4;
 
 /// `Tile` of `shaders/clouds.wgsl`.
 #[repr(C)]
@@ -47,33 +52,37 @@ impl Cover {
         if min.cmpge(max).any() {
             return;
         }
-        let wedge = view.wedge(min, max);
-        let near: Vec<u32> =
-            parents.iter().copied().filter(|&i| wedge.reaches(&view.ellipsoids[i as usize])).collect();
+        let near = view.seen(min, max, parents);
         if near.is_empty() {
             return;
         }
         let size = max - min;
-        if size.max_element() <= TILE {
-            self.tiles.push(Tile {
-                area: [min.x, min.y, max.x, max.y],
-                first: self.candidates.len() as u32,
-                count: near.len() as u32,
-                padding: [0; 2],
-            });
-            self.candidates.extend(near);
+        let widest = size.max_element();
+        if widest > TILE || (widest > SMALLEST && near.len() > MANY) {
+            for (a, b) in quarters(min, max, if widest > TILE { TILE } else { SMALLEST }) {
+                self.split(view, a, b, &near);
+            }
             return;
         }
-        let half = UVec2::new((size.x / 2).next_multiple_of(TILE), (size.y / 2).next_multiple_of(TILE));
-        let middle = min + half.min(size);
-        for (a, b) in [
-            (min, middle),
-            (UVec2::new(middle.x, min.y), UVec2::new(max.x, middle.y)),
-            (UVec2::new(min.x, middle.y), UVec2::new(middle.x, max.y)),
-            (middle, max),
-        ] {
-            self.split(view, a, b, &near);
+        let smaller = quarters(min, max, SMALL).map(|(a, b)| (a, b, view.seen(a, b, &near)));
+        if smaller.iter().all(|(_, _, seen)| !seen.is_empty()) {
+            self.push(min, max, near);
+        } else {
+            smaller.into_iter().for_each(|(a, b, seen)| self.push(a, b, seen));
         }
+    }
+
+    fn push(&mut self, min: UVec2, max: UVec2, near: Vec<u32>) {
+        if near.is_empty() {
+            return;
+        }
+        self.tiles.push(Tile {
+            area: [min.x, min.y, max.x, max.y],
+            first: self.candidates.len() as u32,
+            count: near.len() as u32,
+            padding: [0; 2],
+        });
+        self.candidates.extend(near);
     }
 }
 
@@ -91,7 +100,29 @@ struct Wedge {
     everything: bool,
 }
 
+/// A rectangle in four, at multiples of `step` from its corner; some may be empty.
+fn quarters(min: UVec2, max: UVec2, step: u32) -> [(UVec2, UVec2); 4] {
+    let size = max - min;
+    let half = UVec2::new((size.x / 2).next_multiple_of(step), (size.y / 2).next_multiple_of(step));
+    let middle = min + half.min(size);
+    [
+        (min, middle),
+        (UVec2::new(middle.x, min.y), UVec2::new(max.x, middle.y)),
+        (UVec2::new(min.x, middle.y), UVec2::new(middle.x, max.y)),
+        (middle, max),
+    ]
+}
+
 impl View<'_> {
+    /// Those of `parents` that a rectangle of the picture may see; none where it is empty.
+    fn seen(&self, min: UVec2, max: UVec2, parents: &[u32]) -> Vec<u32> {
+        if min.cmpge(max).any() {
+            return Vec::new();
+        }
+        let wedge = self.wedge(min, max);
+        parents.iter().copied().filter(|&i| wedge.reaches(&self.ellipsoids[i as usize])).collect()
+    }
+
     fn wedge(&self, min: UVec2, max: UVec2) -> Wedge {
         let corners = [min, UVec2::new(max.x, min.y), max, UVec2::new(min.x, max.y)]
             .map(|corner| self.camera.ray(corner.as_vec2() / Vec2::from(self.camera.size)));

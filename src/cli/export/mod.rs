@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::{render::above_zero, terminal};
+use super::{picture::above_zero, terminal};
 use crate::{Error, Result, gpu::Gpu, scene::Scene};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.

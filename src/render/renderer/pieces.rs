@@ -3,30 +3,41 @@
 
 use wgpu::TextureView;
 
-use super::{Draw, HDR, Layers, Renderer, Target, clear, view};
-use crate::render::Frame;
+use super::{Draw, Flush, HDR, Layers, Renderer, Target, clear, view};
+use crate::{Result, gpu::Gpu, render::Frame};
+
+/// Tiles of one submission, of at most 256 pixels each: a second or two in final quality on two
+/// CPU cores.
+const PIECE: u32 = 256;
 
 /// A picture under way: what [`Renderer::draw_pieces`] has yet to draw. It stays good until
 /// another frame is begun on its renderer.
 pub struct Pieces {
     stages: Vec<Stage>,
     stage: usize,
+    draw: usize,
     tile: u32,
     done: u32,
     total: u32,
 }
 
-/// One cloud into its targets.
+/// Clouds into their targets.
 struct Stage {
-    draw: Draw,
+    draws: Vec<Draw>,
     targets: Vec<TextureView>,
     format: wgpu::TextureFormat,
 }
 
+impl Stage {
+    fn new(draws: Vec<Draw>, targets: &[&TextureView], format: wgpu::TextureFormat) -> Self {
+        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect(), format }
+    }
+}
+
 impl Pieces {
     fn new(stages: Vec<Stage>) -> Self {
-        let total = stages.iter().map(|stage| stage.draw.tiles).sum();
-        Self { stages, stage: 0, tile: 0, done: 0, total }
+        let total = stages.iter().flat_map(|stage| &stage.draws).map(|draw| draw.tiles).sum();
+        Self { stages, stage: 0, draw: 0, tile: 0, done: 0, total }
     }
 
     /// Whether nothing is left to draw.
@@ -54,13 +65,38 @@ impl Renderer {
         frame: &Frame,
         target: &Target<'_>,
     ) -> Pieces {
-        let draws = self.begin(encoder, frame, target);
-        Pieces::new(stages(draws, &[target.color], self.format))
+        self.begin(encoder, frame, target, &mut |_| ())
+    }
+
+    /// The same; `flush` may submit the light of the clouds one by one.
+    pub(super) fn begin(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &Target<'_>,
+        flush: Flush<'_>,
+    ) -> Pieces {
+        self.prepare(encoder, frame, flush);
+        if target.sky {
+            self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
+        }
+        let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
+        Pieces::new(vec![Stage::new(draws, &[target.color], self.format)])
     }
 
     /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
     pub fn begin_layers(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> (Layers, Pieces) {
-        self.prepare(encoder, frame);
+        self.begin_apart(encoder, frame, &mut |_| ())
+    }
+
+    /// The same; `flush` may submit the light of the clouds one by one.
+    pub(super) fn begin_apart(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        flush: Flush<'_>,
+    ) -> (Layers, Pieces) {
+        self.prepare(encoder, frame, flush);
         let [sky, single, multiple, air, distance, normal] =
             ["sky", "single", "multiple", "air", "distance", "normal"]
                 .map(|label| self.picture(label, frame.size(), HDR));
@@ -68,9 +104,11 @@ impl Renderer {
         let targets = [&single, &multiple, &air, &distance, &normal].map(view);
         targets.iter().for_each(|target| clear(encoder, target));
         let [single_to, multiple_to, air_to, distance_to, normal_to] = &targets;
-        let mut work = stages(self.draws(frame, None, "normals", HDR), &[normal_to], HDR);
         let lit = [single_to, multiple_to, air_to, distance_to];
-        work.extend(stages(self.draws(frame, None, "layers", HDR), &lit, HDR));
+        let work = vec![
+            Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to], HDR),
+            Stage::new(self.draws(frame, None, "layers", HDR), &lit, HDR),
+        ];
         (Layers { sky, single, multiple, air, distance, normal }, Pieces::new(work))
     }
 
@@ -81,12 +119,12 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
     ) -> (wgpu::Texture, Pieces) {
-        self.prepare(encoder, frame);
+        self.prepare(encoder, frame, &mut |_| ());
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
         let draws = self.draws(frame, None, "cost", HDR);
-        let work = stages(draws, &[&view(&cost)], HDR);
-        (cost, Pieces::new(work))
+        let work = Stage::new(draws, &[&view(&cost)], HDR);
+        (cost, Pieces::new(vec![work]))
     }
 
     /// Records the next `tiles` tiles; submit the encoder before the next call.
@@ -95,24 +133,45 @@ impl Renderer {
         while left > 0
             && let Some(stage) = pieces.stages.get(pieces.stage)
         {
-            let last = (pieces.tile + left).min(stage.draw.tiles);
-            let targets: Vec<_> = stage.targets.iter().collect();
-            self.draw_clouds(encoder, &stage.draw, pieces.tile..last, &targets, stage.format);
-            left -= last - pieces.tile;
-            pieces.done += last - pieces.tile;
-            pieces.tile = last;
-            if last == stage.draw.tiles {
-                pieces.stage += 1;
-                pieces.tile = 0;
+            let mut pass = self.clouds_pass(encoder, &stage.targets);
+            while left > 0
+                && let Some(draw) = stage.draws.get(pieces.draw)
+            {
+                let drawn = left.min(draw.tiles - pieces.tile);
+                self.clouds.draw(&mut pass, stage.format, draw, pieces.tile..pieces.tile + drawn);
+                left -= drawn;
+                pieces.done += drawn;
+                pieces.tile += drawn;
+                if pieces.tile == draw.tiles {
+                    (pieces.draw, pieces.tile) = (pieces.draw + 1, 0);
+                }
+            }
+            if pieces.draw == stage.draws.len() {
+                (pieces.stage, pieces.draw) = (pieces.stage + 1, 0);
             }
         }
         if pieces.finished() {
             self.end(encoder);
         }
     }
-}
 
-fn stages(draws: Vec<Draw>, targets: &[&TextureView], format: wgpu::TextureFormat) -> Vec<Stage> {
-    let stage = |draw| Stage { draw, targets: targets.iter().map(|&view| view.clone()).collect(), format };
-    draws.into_iter().map(stage).collect()
+    /// Draws what is left, [`PIECE`] tiles a submission.
+    pub(super) fn draw_all(
+        &self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+        mut pieces: Pieces,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        loop {
+            self.draw_pieces(&mut encoder, &mut pieces, PIECE);
+            let full = std::mem::replace(&mut encoder, self.encoder());
+            self.queue.submit([full.finish()]);
+            gpu.finish("drawing clouds")?;
+            progress(pieces.share());
+            if pieces.finished() {
+                return Ok(());
+            }
+        }
+    }
 }

@@ -1,0 +1,167 @@
+//! Measures what a frame costs against the number of clouds and of ellipsoids, for
+//! docs/scale.md: `cargo run --release --example scale_report [-- most]`. Rows with more than
+//! `most` ellipsoids (all of them: 20000) are left out.
+#![allow(clippy::print_stdout, reason = "it reports")]
+
+use std::time::Instant;
+
+use glam::DVec3;
+use nephos::{
+    Result,
+    export::Picture,
+    gpu::Gpu,
+    render::{Counts, Frame, Quality, Renderer, Target},
+    scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition},
+};
+
+const SIZE: [u32; 2] = [320, 180];
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Ellipsoids of a cloud of the field.
+const EACH: usize = 16;
+
+fn main() -> Result<()> {
+    let most = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(20_000);
+    let gpu = pollster::block_on(Gpu::open(None))?;
+    println!("{} at {}x{}, draft\n", gpu.adapter.name, SIZE[0], SIZE[1]);
+    println!(
+        "| scene | frame ms | first s | again ms | covered | rays | hits | density | ellipsoids | light MiB |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    let fields = [1, 10, 100, 1000].map(|clouds| (format!("{clouds} clouds"), clouds * EACH, field(clouds)));
+    let heaps = [8, 64, 512, 4096, 20_000].map(|count| (format!("{count} ellipsoids"), count, heap(count)));
+    for (name, count, scene) in fields.into_iter().chain(heaps) {
+        if count <= most {
+            Cost::of(&gpu, &scene)?.print(&name);
+        }
+    }
+    Ok(())
+}
+
+/// What a scene costs.
+struct Cost {
+    frame_ms: f64,
+    first_s: f64,
+    again_ms: f64,
+    covered: usize,
+    counts: Counts,
+    light: u64,
+}
+
+impl Cost {
+    fn of(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, FORMAT);
+        renderer.quality = Quality::DRAFT;
+        // The optics of the droplets are found once.
+        Frame::new(scene, SIZE)?;
+        let start = Instant::now();
+        let frame = Frame::new(scene, SIZE)?;
+        let frame_ms = 1e3 * start.elapsed().as_secs_f64();
+        // Compile what the scene needs.
+        draw(gpu, &mut renderer, &Frame::new(&field(1), SIZE)?)?;
+        let (first_s, picture) = draw(gpu, &mut renderer, &frame)?;
+        let mut again: Vec<f64> = Vec::new();
+        for _ in 0..5 {
+            again.push(1e3 * draw(gpu, &mut renderer, &frame)?.0);
+        }
+        again.sort_by(f64::total_cmp);
+        renderer.counting = true;
+        draw(gpu, &mut renderer, &frame)?;
+        let covered = picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();
+        let light = renderer.light_bytes();
+        Ok(Self { frame_ms, first_s, again_ms: again[2], covered, counts: renderer.counts(gpu)?, light })
+    }
+
+    fn print(&self, name: &str) {
+        let Counts { rays, rays_hit, density_evaluations, .. } = self.counts;
+        println!(
+            "| {name} | {:.1} | {:.2} | {:.0} | {} | {rays} | {rays_hit} | {density_evaluations} | {} | {:.1} |",
+            self.frame_ms,
+            self.first_s,
+            self.again_ms,
+            self.covered,
+            self.counts.ellipsoids,
+            self.light as f64 / f64::from(1 << 20),
+        );
+    }
+}
+
+/// Draws the clouds without a sky; seconds, and the picture.
+fn draw(gpu: &Gpu, renderer: &mut Renderer, frame: &Frame) -> Result<(f64, Picture)> {
+    let texture = renderer.picture("scale", frame.size(), FORMAT);
+    let view = texture.create_view(&Default::default());
+    let start = Instant::now();
+    let target = Target { color: &view, depth: None, sky: false };
+    renderer.render_in_pieces(gpu, frame, &target, &mut |_| ())?;
+    let seconds = start.elapsed().as_secs_f64();
+    Ok((seconds, Picture::read(gpu, &texture)?))
+}
+
+/// Clouds of sixteen ellipsoids in front of the camera, about one on each 750 m by 750 m.
+fn field(clouds: usize) -> Scene {
+    let span = 750.0 * (clouds as f64).sqrt();
+    let mut numbers = Numbers(1);
+    let clouds = (0..clouds)
+        .map(|_| {
+            let place = DVec3::new(span * (numbers.next() - 0.5), 900.0, -900.0 - span * numbers.next());
+            cloud(place, 0.6 + 0.8 * numbers.next(), EACH, &mut numbers)
+        })
+        .collect();
+    seen(clouds)
+}
+
+/// One cloud of many ellipsoids, the smaller the more there are.
+fn heap(count: usize) -> Scene {
+    let mut numbers = Numbers(2);
+    let size = (EACH as f64 / count as f64).cbrt();
+    let mut heap = cloud(DVec3::new(0.0, 900.0, -1300.0), 1.0, count, &mut numbers);
+    for ellipsoid in &mut heap.ellipsoids {
+        ellipsoid.radii *= size;
+    }
+    heap.edge.boundary *= size;
+    seen(vec![heap])
+}
+
+fn cloud(place: DVec3, size: f64, count: usize, numbers: &mut Numbers) -> Cloud {
+    let ellipsoids = (0..count).map(|_| {
+        let (angle, out) = (std::f64::consts::TAU * numbers.next(), numbers.next().sqrt());
+        let up = numbers.next() * (1.0 - 0.9 * out) * 160.0;
+        let around = 180.0 * out * DVec3::new(angle.cos(), 0.0, angle.sin());
+        let radius = size * (45.0 + 45.0 * numbers.next());
+        Ellipsoid::new(place + size * (around + up * DVec3::Y), radius * DVec3::new(1.0, 0.75, 1.0))
+    });
+    Cloud {
+        ellipsoids: ellipsoids.collect(),
+        edge: Edge { boundary: 28.0 * size, wispiness: 0.25 },
+        ..Cloud::default()
+    }
+}
+
+fn seen(clouds: Vec<Cloud>) -> Scene {
+    let angles = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
+    Scene {
+        clouds,
+        noise: Noise { scale: 45.0, ..Noise::default() },
+        sun: Sun { position: angles, ..Sun::default() },
+        camera: Some(Camera {
+            position: DVec3::new(0.0, 700.0, 300.0),
+            target: DVec3::new(0.0, 800.0, -2000.0),
+            roll_deg: 0.0,
+            projection: Projection::Perspective { vertical_fov_deg: 40.0 },
+        }),
+        ..Scene::default()
+    }
+}
+
+/// Evenly spread numbers in [0, 1), the same on every machine.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        // Steele, Lea and Flood (2014).
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
+    }
+}
