@@ -88,7 +88,7 @@ impl Render {
         self.check_resuming(format)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         if let Some(file) = &self.camera {
-            scene.camera = Some(camera_of(file)?);
+            scene = scene.seen_by(camera_of(file)?);
         }
         scene.time = self.time.unwrap_or(scene.time);
         // What is wrong with the scene is told before an adapter is looked for.
