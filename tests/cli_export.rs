@@ -132,3 +132,25 @@ fn what_cannot_be_is_refused_in_words() {
         assert!(text.contains(part), "{words}: {text}");
     }
 }
+
+#[test]
+fn cameras_that_move_are_taken_where_they_are_at_that_moment() {
+    let desk = Desk::new();
+    let moving = SMALL.replacen(
+        '{',
+        r#"{"camera":{"position":[0,900,1000],"target":[0,900,0]},
+        "timeline":{"length":10,"tracks":[{"path":"camera.position[0]","keys":[
+            {"time":0,"value":0,"interpolation":"linear"},{"time":10,"value":500}]}]},"#,
+        1,
+    );
+    fs::write(desk.path("scene.json"), moving).unwrap();
+    let position = |words: &str| {
+        desk.command(&format!("export camera scene.json -o shot.gltf{words}")).assert().success();
+        let text = fs::read_to_string(desk.path("shot.gltf")).unwrap();
+        let file: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let node = file["nodes"].as_array().unwrap().iter().find(|node| node["camera"].is_number()).unwrap();
+        let number = |name: &str, i: usize| node[name].get(i).and_then(serde_json::Value::as_f64);
+        number("translation", 0).or(number("matrix", 12)).unwrap()
+    };
+    assert_eq!([position(""), position(" --time 4")], [0.0, 200.0]);
+}
