@@ -5,14 +5,14 @@ PICTURE := target/demo.png
 # lavapipe prints a warning on every run without a private folder of its own.
 export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
 
-.PHONY: demo test lint docs examples driver screen
+.PHONY: demo test lint docs examples driver screen readers movies
 
 demo: driver
 	cargo build --release
 	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
 	@echo "The picture is $(CURDIR)/$(PICTURE)"
 
-test: driver screen
+test: driver screen readers movies
 	cargo test --all-features
 
 lint:
@@ -20,7 +20,7 @@ lint:
 	cargo clippy --all-targets --all-features -- -D warnings
 	cargo clippy --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features
-	@! cargo tree --no-default-features -e normal --prefix none | grep -E '^(clap|egui|eframe|indicatif|image|exr) ' \
+	@! cargo tree --no-default-features -e normal --prefix none | grep -E '^(clap|egui|eframe|indicatif|image|exr|gltf|tobj|ktx2|flate2) ' \
 		|| { echo "The library alone must not depend on the crates above."; exit 1; }
 	@twice=$$(cargo tree --all-features -e normal --prefix none | grep -E '^(wgpu|naga|glam) ' \
 		| cut -d' ' -f1,2 | sort -u | cut -d' ' -f1 | uniq -d); \
@@ -38,3 +38,9 @@ driver:
 
 screen:
 	@sh .ci/screen
+
+readers:
+	@sh .ci/readers
+
+movies:
+	@sh .ci/movies

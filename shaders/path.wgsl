@@ -94,7 +94,10 @@ override LANES: u32 = 1u;
 // Least share of directions that are drawn around the sun, at the first collisions; later ones
 // have less of it, so that what all of them take from a path stays bounded. 0 leaves all
 // directions to the phase function.
-override TO_SUN: f32 = 0.05;
+override TO_SUN: f32 = 0.03;
+// Largest share of them. A path at some degrees from the sun must be free to go on as it was: the
+// rarer it does, the more it weighs when it does, and it does so at every collision.
+override MOST_TO_SUN: f32 = 0.3;
 // Paths that carry less than this are ended by chance.
 override FAINT: f32 = 0.05;
 
@@ -262,13 +265,13 @@ fn sun_at(p: vec3f) -> vec3f {
     return scene.sun_irradiance * sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
 }
 
-// Light of sky and ground from a direction.
+// Light of sky and ground from a direction, as clouds see it; the camera may be far below.
 fn sky_from(direction: vec3f) -> vec3f {
     if !ATMOSPHERE {
         return sky.radiance;
     }
     let a = sky.atmosphere;
-    let altitude = max(camera.altitude, 0.0);
+    let altitude = max(sky.light_altitude, 0.0);
     let ground = direction.y < horizon_mu(a, altitude);
     let sine = half_azimuth_sine(direction, scene.to_sun);
     let uv = sky_view_uv(a, vec2f(textureDimensions(sky_view)), altitude, direction.y, sine, ground);
@@ -336,12 +339,11 @@ fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
 
 // Share of directions drawn around the sun at a collision. A direction around the path that
 // happens to be the sun's has P(to the sun) times the light of one that was drawn around the
-// sun, over this share: so the share grows with P, as P / (P + 1), and what one direction can
-// bring stays bounded.
+// sun, over this share: so the share grows with P.
 fn share_to_sun(path: ptr<function, Path>) -> f32 {
     let toward = phase((*path).medium, (*path).direction, scene.to_sun).y;
     let least = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
-    return select(0.0, max(least, toward / (toward + 1.0)), TO_SUN > 0.0);
+    return select(0.0, max(least, MOST_TO_SUN * toward / (toward + 1.0)), TO_SUN > 0.0);
 }
 
 // Chooses where to go on from a collision: around the path or around the sun.

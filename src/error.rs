@@ -57,9 +57,19 @@ pub enum Error {
     },
 }
 
-#[cfg(any(feature = "cli", feature = "editor"))]
 impl Error {
+    /// A complaint about a scene that says at which moment it is about it, s.
+    pub(crate) fn at_time(self, time: f64) -> Self {
+        match self {
+            Self::Scene { path, problem } => {
+                Self::Scene { path, problem: format!("{problem} (at {time} seconds, where curves lead it)") }
+            }
+            other => other,
+        }
+    }
+
     /// A complaint about a scene that says which file it is about.
+    #[cfg(any(feature = "cli", feature = "editor"))]
     pub(crate) fn in_file(self, file: &std::path::Path) -> Self {
         match self {
             Self::Scene { path, problem } => {

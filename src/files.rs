@@ -56,7 +56,7 @@ fn write_new(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result
 }
 
 /// A hidden name in the folder of `target` that no other writer uses.
-fn name_beside(target: &Path) -> PathBuf {
+pub fn name_beside(target: &Path) -> PathBuf {
     static WRITES: AtomicU32 = AtomicU32::new(0);
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     let write = WRITES.fetch_add(1, Ordering::Relaxed);

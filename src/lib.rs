@@ -50,6 +50,8 @@ mod error;
 pub mod export;
 mod files;
 pub mod gpu;
+#[cfg(feature = "export")]
+pub mod import;
 #[cfg(feature = "cli")]
 pub mod measure;
 pub mod optics;

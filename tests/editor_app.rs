@@ -395,6 +395,7 @@ fn the_world_is_lit_and_exposed_by_its_panel() {
             latitude_deg: 52.0,
             longitude_deg: 5.0,
             time: "2026-06-21T18:30:00+02:00".to_owned(),
+            hours: 0.0,
         };
         scene.sky = nephos::scene::Sky::Uniform { radiance: [0.1; 3] };
         scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g: 0.8 };

@@ -58,6 +58,7 @@ fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
     rest(&mut window);
     // Tables of the air in front of the camera are made anew; the light in clouds is not.
     let rested = window.state().viewport.statistics().clone();
+    assert!(rested.light_updates - before.light_updates <= 3, "{before:?} {rested:?}");
     window.state_mut().document.edit("Move", |scene| scene.clouds[0].ellipsoids[0].center.y += 20.0);
     rest(&mut window);
     let edited = window.state().viewport.statistics().clone();

@@ -42,7 +42,7 @@ fn presets_are_valid_and_of_moderate_size() {
             let count = ellipsoids(&scene).count();
             let expected = match preset {
                 Preset::Sphere => 1..=1,
-                Preset::Stratocumulus => 100..=170,
+                Preset::Stratocumulus | Preset::Drift => 60..=170,
                 _ => 8..=80,
             };
             assert!(expected.contains(&count), "{preset} {seed}: {count}");

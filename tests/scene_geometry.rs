@@ -15,7 +15,7 @@ fn by_angles(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
 }
 
 fn by_place(latitude_deg: f64, longitude_deg: f64, time: &str) -> DVec3 {
-    let place = SunPosition::Place { latitude_deg, longitude_deg, time: time.to_owned() };
+    let place = SunPosition::Place { latitude_deg, longitude_deg, time: time.to_owned(), hours: 0.0 };
     place.to_sun().unwrap()
 }
 

@@ -16,7 +16,7 @@ use common::{
 };
 use glam::DVec3;
 use nephos::{
-    gpu::{ComputeProgram, ENTRY_POINTS, read_buffer, storage_buffer},
+    gpu::{self, ComputeProgram, ENTRY_POINTS, TextureDesc, read_buffer, storage_buffer},
     optics::phase::{Phase, angle_at},
     reference::{PathOptions, Stop, phase_table},
     scene::{self, Droplets, Scene},
@@ -118,6 +118,104 @@ fn scattered_directions_have_the_distribution_of_the_phase_function() {
             }
         }
     }
+}
+
+/// Bins of the transmittance at which a path is stopped, which is evenly distributed.
+const FREE_PATHS: usize = 64;
+/// Extinction of the medium, 1/m, and majorants of the cells that paths cross, over it.
+const EXTINCTION: f32 = 0.02;
+const MAJORANTS: [f32; 8] = [1.0, 3.0, 1.5, 2.0, 1.0, 5.0, 1.2, 2.0];
+
+/// Counts where paths through cells of 50 m are stopped, by the shader's own tracking.
+fn free_paths() -> Vec<u32> {
+    let source = ENTRY_POINTS.iter().find(|(name, _)| *name == "path").unwrap().1;
+    let (functions, _) = source.split_once("@compute").unwrap();
+    let source = format!(
+        "{functions}
+        @group(0) @binding(17) var<storage, read_write> counts: array<atomic<u32>>;
+        @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
+            random_state = hash_random(id.x, 0u, 9u);
+            for (var i = 0u; i < 128u; i++) {{
+                var p = vec3f(10.0, 0.0, 0.0);
+                var through = 0.0;
+                for (var j = 0u; j < 200u; j++) {{
+                    let step = track(p, vec3f(1.0, 0.0, 0.0));
+                    p = step.position;
+                    if step.outside {{
+                        break;
+                    }}
+                    if step.tentative && draw() < step.point.extinction / step.majorant {{
+                        through = exp(-{EXTINCTION} * (p.x - 10.0));
+                        break;
+                    }}
+                }}
+                atomicAdd(&counts[min(u32(through * {FREE_PATHS}.0), {FREE_PATHS}u - 1u)], 1u);
+            }}
+        }}"
+    );
+    let device = &gpu().device;
+    let program = ComputeProgram::from_source(device, "free paths", &source);
+    // Members of `Scene` that tracking reads: the cells' corner, edge and number.
+    let mut scene = [0u32; 24];
+    scene[..7].copy_from_slice(
+        &[0.0f32, -25.0, -25.0, 50.0].map(f32::to_bits).iter().copied().chain([8, 1, 1]).collect::<Vec<_>>(),
+    );
+    let cells: Vec<[u32; 4]> = MAJORANTS.map(|share| [0, 1, (share * EXTINCTION).to_bits(), 0]).into();
+    // A sphere of 10 km without noise, and a sharp edge far away.
+    let axis = |i: usize| std::array::from_fn(|j| if i == j || j == 3 { 1e-4f32 } else { 0.0 });
+    let ellipsoid: Vec<f32> = [0, 1, 2]
+        .into_iter()
+        .flat_map(|i| -> [f32; 4] { axis(i) })
+        .chain([0.0, 0.0, 0.0, EXTINCTION, 0.0, 1e-3, 0.0, 0.0])
+        .collect();
+    let no_noise = gpu::texture(
+        device,
+        &TextureDesc {
+            label: "no noise",
+            size: [1, 1, 1],
+            mips: 1,
+            format: wgpu::TextureFormat::Rg8Snorm,
+            usage: wgpu::TextureUsages::COPY_DST,
+        },
+    )
+    .create_view(&Default::default());
+    let repeat = gpu::linear_repeat(device);
+    let uniforms = [
+        gpu::uniform_buffer(device, "scene", &scene),
+        gpu::uniform_buffer(device, "noise frame", &[0.0f32; 28]),
+    ];
+    let [ellipsoids, media] = [bytemuck::cast_slice(&ellipsoid), &[0u32][..]]
+        .map(|data: &[u32]| storage_buffer(device, "ellipsoids and media", data));
+    let cells = storage_buffer(device, "cells", &cells);
+    let candidates = storage_buffer(device, "candidates", &[0u32]);
+    let counts = storage_buffer(device, "counts", &[0u32; FREE_PATHS]);
+    let mut bindings = vec![None; 18];
+    let buffers = [
+        (0, &uniforms[0]),
+        (2, &uniforms[1]),
+        (4, &ellipsoids),
+        (5, &media),
+        (6, &cells),
+        (7, &candidates),
+        (17, &counts),
+    ];
+    for (place, buffer) in buffers {
+        bindings[place] = Some(buffer.as_entire_binding());
+    }
+    bindings[12] = Some(wgpu::BindingResource::TextureView(&no_noise));
+    bindings[13] = Some(wgpu::BindingResource::Sampler(&repeat));
+    let group = program.bind(device, &bindings);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    program.dispatch(&mut encoder, &group, [32, 1, 1], None);
+    gpu().queue.submit([encoder.finish()]);
+    read_buffer(gpu(), &counts).unwrap()
+}
+
+#[test]
+fn free_paths_are_exponential_whatever_the_majorants_of_the_cells() {
+    let z = chi_square_z(chi_square(&free_paths(), &[1.0 / FREE_PATHS as f64; FREE_PATHS]), FREE_PATHS - 1);
+    // By chance once in ten thousand seeds.
+    assert!(z.abs() < 3.7, "{z}");
 }
 
 /// A noisy cloud with some absorption, under sun and sky.

@@ -3,10 +3,14 @@
 mod bench;
 #[cfg(feature = "editor")]
 mod edit;
+mod export;
+mod fill;
 mod info;
 mod new;
+mod picture;
 mod render;
 mod schema;
+mod sequence;
 mod tables;
 mod terminal;
 mod trace;
@@ -28,6 +32,9 @@ enum Command {
     #[cfg(feature = "editor")]
     Edit(edit::Edit),
     Render(render::Render),
+    Export(export::Export),
+    Fill(fill::Fill),
+    Sequence(Box<sequence::Sequence>),
     Bench(bench::Bench),
     New(new::New),
     Info(info::Info),
@@ -56,6 +63,9 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
+        Command::Export(command) => command.run(),
+        Command::Fill(command) => command.run(),
+        Command::Sequence(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),
         Command::Info(command) => command.run(),

@@ -66,6 +66,14 @@ pub enum Action {
     AddPreset(Preset),
     /// Puts the scene's camera where the view is.
     CameraFromView,
+    /// Shows or closes the timeline; makes one where the scene has none.
+    ToggleTimeline,
+    /// Plays the timeline, or stops.
+    Play,
+    /// Sets keys of what is selected.
+    KeySelected,
+    /// Takes the timeline away.
+    RemoveTimeline,
     /// Shows or closes the outliner.
     ToggleOutliner,
     /// Shows or closes the inspector.
@@ -173,6 +181,7 @@ pub fn about(preset: Preset) -> &'static str {
         Preset::Cumulonimbus => "A thunderstorm with its anvil.",
         Preset::Glory => "A thin sheet from above, with glory and fogbow.",
         Preset::Sphere => "One homogeneous sphere.",
+        Preset::Drift => "Fair-weather cumuli that form, drift and dissolve: a loop of ten seconds.",
         Preset::Kol => "Eight ellipsoids with a wispy boundary, after Kol (2013).",
     }
 }
@@ -206,6 +215,9 @@ fn edit() -> Vec<Entry> {
         own("Edit", Hide, "Hide", &[(PLAIN, Key::H)], "Leaves what is selected out of all pictures."),
         own("Edit", ShowAll, "Show all", &[(ALT, Key::H)], "Shows everything that was hidden."),
         own("Edit", Lock, "Lock or unlock", &[(PLAIN, Key::L)], "Keeps what is selected from being changed in the view, or lets it."),
+        own("Edit", Play, "Play or stop", &[(PLAIN, Key::Space)], "Plays the timeline at its own pace; frames that come too late are left out."),
+        own("Edit", KeySelected, "Key what is selected", &[(PLAIN, Key::I)], "Sets keys of place, size, rotation and density at the playhead."),
+        own("Edit", RemoveTimeline, "Remove the timeline", &[], "Takes all keys away; the scene stays as it is at the playhead."),
         own("Select", SelectAll, "Select all", &[(PLAIN, Key::A), (CTRL, Key::A)], "Selects every ellipsoid that is seen and not locked."),
         own("Select", SelectNone, "Select nothing", &[(ALT, Key::A)], "Lets go of everything."),
         own("Select", SelectOthers, "Select the others", &[(CTRL, Key::I)], "Selects what is not selected, and lets go of what is."),
@@ -219,6 +231,7 @@ fn window() -> Vec<Entry> {
     use Action::*;
     vec![
         own("View", CameraFromView, "Set the scene's camera", &[(CTRL, Key::Num0)], "Takes the final picture from where you look now."),
+        own("Window", ToggleTimeline, "Timeline", &[(PLAIN, Key::F4)], "Shows or closes the panel below; begins a timeline where the scene has none."),
         own("Window", ToggleOutliner, "Outliner", &[(PLAIN, Key::F5)], "Shows or closes the list on the left."),
         own("Window", ToggleInspector, "Inspector", &[(PLAIN, Key::F6)], "Shows or closes the panel on the right."),
         own("Window", ObjectPanel, "Object", &[(PLAIN, Key::F7)], "Shows what is selected in the inspector."),

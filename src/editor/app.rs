@@ -16,7 +16,7 @@ use super::{
     form::name_widget,
     notices::Notices,
     palette::Palette,
-    panels::{ObjectPanel, Outliner, PicturePanel, ViewPanel, Wish, WorldPanel},
+    panels::{ObjectPanel, Outliner, PicturePanel, TimelinePanel, ViewPanel, Wish, WorldPanel},
     recovery::Kept,
     settings::{Look, Places, Settings},
     still::{Outcome, StillJob},
@@ -78,6 +78,7 @@ pub struct Editor {
     pub(super) world: WorldPanel,
     pub(super) view: ViewPanel,
     pub(super) picture: PicturePanel,
+    pub(super) timeline: TimelinePanel,
     pub(super) tab: Tab,
     pub(super) dialog: Option<Dialog>,
     pub(super) notices: Notices,
@@ -112,6 +113,7 @@ impl Editor {
             world: WorldPanel::default(),
             view: ViewPanel,
             picture: PicturePanel::default(),
+            timeline: TimelinePanel::default(),
             tab: Tab::default(),
             dialog: None,
             notices: Notices::default(),
@@ -161,6 +163,16 @@ impl Editor {
         self.notices.texts().map(str::to_owned).collect()
     }
 
+    /// Whether the timeline plays.
+    pub fn is_playing(&self) -> bool {
+        self.timeline.is_playing()
+    }
+
+    /// Whether there is a timeline, and its panel is open.
+    pub(super) fn shows_timeline(&self) -> bool {
+        self.document.scene().timeline.is_some() && self.settings.shows("timeline")
+    }
+
     /// Whether a picture is being drawn.
     pub fn is_rendering(&self) -> bool {
         self.job.is_some()
@@ -170,6 +182,7 @@ impl Editor {
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.take_in(&ctx);
+        self.timeline.play_on(&ctx, &mut self.document);
         Panel::top("menu").frame(bar(&ctx)).show_separator_line(true).show(ui, |ui| self.menu(ui));
         self.notices.show(&ctx);
         Panel::bottom("status").frame(bar(&ctx)).show(ui, |ui| self.status(ui));
@@ -215,6 +228,12 @@ impl Editor {
 
     fn panels(&mut self, ui: &mut Ui) {
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
+        if self.shows_timeline() {
+            let panel = Panel::bottom("timeline").frame(frame).resizable(true);
+            panel.default_size(190.0).min_size(110.0).show(ui, |ui| {
+                self.timeline.ui(ui, &mut self.document);
+            });
+        }
         if self.settings.shows("outliner") {
             Panel::left("outliner").frame(frame).default_size(216.0).min_size(150.0).show(ui, |ui| {
                 self.outliner_head(ui);

@@ -2,7 +2,10 @@
 
 use std::{collections::VecDeque, sync::Arc};
 
-use super::selection::{EllipsoidId, Selection};
+use super::{
+    selection::{EllipsoidId, Selection},
+    tracks,
+};
 use crate::scene::{Cloud, Ellipsoid, Scene};
 
 /// Steps that undo can go back. Steps share what they have in common only as whole scenes:
@@ -28,9 +31,16 @@ struct Group {
 
 /// The scene that is edited. It is valid at all times: an edit that would break it is
 /// refused, and [`Document::take_refusal`] says why.
+///
+/// Where it has a timeline, it is seen and edited as it is at the playhead, and what is changed
+/// of a number that has a track becomes a key there.
 #[derive(Debug, Default)]
 pub struct Document {
-    scene: Arc<Scene>,
+    /// As the file has it.
+    stored: Arc<Scene>,
+    /// As it is at the playhead.
+    posed: Arc<Scene>,
+    playhead: f64,
     selection: Selection,
     undo: VecDeque<Step>,
     redo: Vec<Step>,
@@ -46,8 +56,11 @@ pub struct Document {
 impl Document {
     /// Begins with `scene`, as it is in its file.
     pub fn new(scene: Scene) -> Self {
+        let playhead = scene.time;
         let scene = Arc::new(scene);
-        Self { saved: scene.clone(), scene, ..Self::default() }
+        let mut document = Self { saved: scene.clone(), stored: scene, playhead, ..Self::default() };
+        document.pose();
+        document
     }
 
     /// Begins with `scene`, which differs from what its file holds: recovered work.
@@ -57,14 +70,39 @@ impl Document {
         document
     }
 
-    /// The scene as it is now.
+    /// The scene as it is now, at the playhead.
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.posed
     }
 
-    /// The scene as it is now, to be kept or sent to another thread.
+    /// The scene as it is now, at the playhead, to be kept or sent to another thread.
     pub fn shared_scene(&self) -> Arc<Scene> {
-        self.scene.clone()
+        self.posed.clone()
+    }
+
+    /// The scene as its file has it, wherever the playhead is.
+    pub fn file_scene(&self) -> Arc<Scene> {
+        self.stored.clone()
+    }
+
+    /// The moment that is seen, s; the scene's own time where it has no timeline.
+    pub fn playhead(&self) -> f64 {
+        self.posed.time
+    }
+
+    /// Shows another moment, s. It is no step of undo, and nothing without a timeline.
+    pub fn set_playhead(&mut self, time: f64) {
+        if self.stored.timeline.is_some() && time != self.playhead {
+            self.playhead = time;
+            self.pose();
+        }
+    }
+
+    fn pose(&mut self) {
+        self.posed = match self.stored.timeline {
+            Some(_) => Arc::new(self.stored.posed(self.playhead)),
+            None => self.stored.clone(),
+        };
     }
 
     /// Grows with every change of the scene, undo and redo too.
@@ -80,7 +118,7 @@ impl Document {
     /// Tells that `scene`, which may be older than the present one, is now in the file.
     pub fn mark_saved(&mut self, scene: Arc<Scene>) {
         (self.saved, self.lost) = (scene, false);
-        self.dirty = self.scene != self.saved;
+        self.dirty = self.stored != self.saved;
     }
 
     /// Tells that the file does not hold what was saved any more: another program changed it.
@@ -95,23 +133,23 @@ impl Document {
 
     /// Selects what there is of `selection`; no step of undo.
     pub fn select(&mut self, selection: Selection) {
-        self.selection = selection.within(&self.scene);
+        self.selection = selection.within(&self.stored);
     }
 
     /// The ellipsoid `id`, where there is one.
     pub fn ellipsoid(&self, id: EllipsoidId) -> Option<&Ellipsoid> {
-        self.scene.clouds.get(id.cloud)?.ellipsoids.get(id.ellipsoid)
+        self.posed.clouds.get(id.cloud)?.ellipsoids.get(id.ellipsoid)
     }
 
     /// The cloud that is selected, or that the active ellipsoid belongs to.
     pub fn active_cloud(&self) -> Option<(usize, &Cloud)> {
         let index = self.selection.active_cloud()?;
-        Some((index, self.scene.clouds.get(index)?))
+        Some((index, self.posed.clouds.get(index)?))
     }
 
     /// Whether `id` or its cloud is locked.
     pub fn is_locked(&self, id: EllipsoidId) -> bool {
-        let cloud = self.scene.clouds.get(id.cloud);
+        let cloud = self.stored.clouds.get(id.cloud);
         cloud.is_some_and(|cloud| cloud.locked) || self.ellipsoid(id).is_some_and(|e| e.locked)
     }
 
@@ -129,14 +167,21 @@ impl Document {
 
     /// The same, for edits that move what is selected: `change` says where it went.
     pub fn edit_and_select(&mut self, what: &'static str, change: impl FnOnce(&mut Scene, &mut Selection)) {
-        let (mut scene, mut selection) = (Scene::clone(&self.scene), self.selection.clone());
+        let (mut scene, mut selection) = (Scene::clone(&self.posed), self.selection.clone());
         change(&mut scene, &mut selection);
-        if scene != *self.scene {
+        if scene != *self.posed {
+            let time = scene.time;
+            if self.posed.timeline.is_some() {
+                tracks::unpose(&self.stored, &self.posed, &mut scene);
+            }
             if let Err(error) = scene.validate() {
                 self.refusal = Some(error.to_string());
                 return;
             }
-            self.keep(what);
+            if scene != *self.stored {
+                self.keep(what);
+            }
+            self.playhead = time;
             self.replace(Arc::new(scene));
         }
         self.select(selection);
@@ -170,7 +215,7 @@ impl Document {
     /// Ends what [`Document::begin`] began. A drag back to where it began is no step.
     pub fn end(&mut self) {
         let kept = self.group.take().is_some_and(|group| group.kept);
-        if kept && self.undo.back().is_some_and(|step| step.scene == self.scene) {
+        if kept && self.undo.back().is_some_and(|step| step.scene == self.stored) {
             self.undo.pop_back();
         }
     }
@@ -217,7 +262,7 @@ impl Document {
     }
 
     fn step(&self, what: &'static str) -> Step {
-        Step { what, scene: self.scene.clone(), selection: self.selection.clone() }
+        Step { what, scene: self.stored.clone(), selection: self.selection.clone() }
     }
 
     fn keep(&mut self, what: &'static str) {
@@ -238,9 +283,10 @@ impl Document {
     }
 
     fn replace(&mut self, scene: Arc<Scene>) {
-        self.scene = scene;
+        self.stored = scene;
+        self.pose();
         self.revision += 1;
-        self.dirty = self.lost || self.scene != self.saved;
-        self.selection = std::mem::take(&mut self.selection).within(&self.scene);
+        self.dirty = self.lost || self.stored != self.saved;
+        self.selection = std::mem::take(&mut self.selection).within(&self.stored);
     }
 }

@@ -11,6 +11,8 @@ use egui_phosphor::regular as icon;
 use glam::{DQuat, DVec3, EulerRot};
 
 use super::{
+    Document,
+    keying::{Keying, key_button},
     theme::LABEL_WIDTH,
     words::{Word, word},
 };
@@ -18,21 +20,29 @@ use super::{
 /// Width of the number beside a slider, points.
 const VALUE_WIDTH: f32 = 74.0;
 
-/// Width kept for the button that resets a field, points.
+/// Width kept for the button that resets a field, points, and for the one that keys it.
 const RESET_WIDTH: f32 = 22.0;
+const KEY_WIDTH: f32 = 18.0;
 
 /// Ranges as wide as this, or wider, are dragged rather than slid.
 const SLIDER_SPAN: f64 = 20.0;
+
+/// What the numbers of a field are called behind its path.
+const NUMBER: [&str; 1] = [""];
+const VECTOR: [&str; 3] = ["[0]", "[1]", "[2]"];
+const ROTATION: [&str; 4] = ["[0]", "[1]", "[2]", "[3]"];
 
 /// The rows of one part of the scene. It edits a copy; the caller puts the copy into the
 /// document where [`Form::changed`] says so.
 pub struct Form<'a> {
     ui: &'a mut Ui,
+    /// Where fields can be keyed.
+    keying: Option<Keying>,
     changed: Option<Change>,
 }
 
 /// The field that was changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Change {
     /// Name of the field, for the menu's "Undo ...".
     pub name: &'static str,
@@ -40,12 +50,21 @@ pub struct Change {
     pub path: &'static str,
     /// Tells this field from all others on the screen.
     pub field: u64,
+    /// The numbers whose keys shall be set or taken away, where that was asked for instead.
+    pub keys: Option<Vec<String>>,
 }
 
 impl<'a> Form<'a> {
     /// Rows at the end of `ui`.
     pub fn new(ui: &'a mut Ui) -> Self {
-        Self { ui, changed: None }
+        Self { ui, keying: None, changed: None }
+    }
+
+    /// Lets fields be keyed where the document has a timeline; `object` is the path of the cloud or the
+    /// ellipsoid that the rows are about, empty for the world.
+    pub fn keyed(mut self, document: &Document, object: &str) -> Self {
+        self.keying = Keying::of(document, object);
+        self
     }
 
     /// The field that was changed in this frame.
@@ -65,7 +84,7 @@ impl<'a> Form<'a> {
             return self.slider(path, name, value, default, about.min..=about.max);
         }
         let help = explained(about, &told(default, about.unit));
-        self.row(path, name, &help, value, default, |ui, value| {
+        self.row(path, name, &help, value, default, &NUMBER, |ui, value| {
             let speed = speed_at(*value, about);
             named(ui, name, |ui| sized(ui, |ui| ui.add(number(value, about).speed(speed))))
         });
@@ -83,13 +102,15 @@ impl<'a> Form<'a> {
     ) {
         let about = word(path);
         let help = explained(about, &told(default, about.unit));
-        self.row(path, name, &help, value, default, |ui, value| slide(ui, name, about, value, usual));
+        self.row(path, name, &help, value, default, &NUMBER, |ui, value| {
+            slide(ui, name, about, value, usual)
+        });
     }
 
     /// A whole number.
     pub fn whole(&mut self, path: &'static str, name: &'static str, value: &mut u32, default: u32) {
         let help = explained(word(path), &default.to_string());
-        self.row(path, name, &help, value, default, |ui, value| {
+        self.row(path, name, &help, value, default, &NUMBER, |ui, value| {
             named(ui, name, |ui| sized(ui, |ui| ui.add(DragValue::new(value).update_while_editing(false))))
         });
     }
@@ -98,7 +119,7 @@ impl<'a> Form<'a> {
     pub fn vector(&mut self, path: &'static str, name: &'static str, value: &mut DVec3, default: DVec3) {
         let about = word(path);
         let help = explained(about, &format!("{}, {}, {}", default.x, default.y, default.z));
-        self.row(path, name, &help, value, default, |ui, value| {
+        self.row(path, name, &help, value, default, &VECTOR, |ui, value| {
             three(ui, name, ["X", "Y", "Z"], value.as_mut(), |ui, value| {
                 let speed = speed_at(*value, about);
                 ui.add(number(value, about).speed(speed))
@@ -109,7 +130,7 @@ impl<'a> Form<'a> {
     /// A rotation, as turns about three axes in degrees: about y first, then x, then z.
     pub fn rotation(&mut self, path: &'static str, name: &'static str, value: &mut DQuat) {
         let help = explained(word(path), "no rotation");
-        self.row(path, name, &help, value, DQuat::IDENTITY, |ui, value| {
+        self.row(path, name, &help, value, DQuat::IDENTITY, &ROTATION, |ui, value| {
             let (yaw, pitch, roll) = value.to_euler(EulerRot::YXZ);
             // Adding zero makes -0 a 0.
             let mut turns = [pitch, yaw, roll].map(|turn| (turn.to_degrees() * 1e6).round() / 1e6 + 0.0);
@@ -130,7 +151,7 @@ impl<'a> Form<'a> {
     pub fn color(&mut self, path: &'static str, name: &'static str, value: &mut [f64; 3], default: [f64; 3]) {
         let about = word(path);
         let help = explained(about, &format!("{}, {}, {}", default[0], default[1], default[2]));
-        self.row(path, name, &help, value, default, |ui, value| {
+        self.row(path, name, &help, value, default, &VECTOR, |ui, value| {
             let mut swatch = None;
             if about.max <= 1.0 {
                 let mut color = value.map(|c| c as f32);
@@ -150,7 +171,7 @@ impl<'a> Form<'a> {
     /// A line of text.
     pub fn text(&mut self, path: &'static str, name: &'static str, value: &mut String, hint: &'static str) {
         let help = explained(word(path), "");
-        self.row(path, name, &help, value, String::new(), |ui, value| {
+        self.row(path, name, &help, value, String::new(), &[], |ui, value| {
             let field = egui::TextEdit::singleline(value).hint_text(hint).desired_width(ui.available_width());
             named(ui, name, |ui| ui.add(field))
         });
@@ -159,7 +180,9 @@ impl<'a> Form<'a> {
     /// Yes or no.
     pub fn check(&mut self, path: &'static str, name: &'static str, value: &mut bool, default: bool) {
         let help = explained(word(path), if default { "yes" } else { "no" });
-        self.row(path, name, &help, value, default, |ui, value| named(ui, name, |ui| ui.checkbox(value, "")));
+        self.row(path, name, &help, value, default, &[], |ui, value| {
+            named(ui, name, |ui| ui.checkbox(value, ""))
+        });
     }
 
     /// One of several choices; each is a name, what it is, and the value that it begins with.
@@ -174,7 +197,7 @@ impl<'a> Form<'a> {
         let chosen = choices.iter().find(|(_, _, v)| kind(v) == kind(value)).map_or("", |(name, ..)| *name);
         let help = explained(word(path), choices.first().map_or("", |(name, ..)| *name));
         let default = choices.first().map_or_else(|| value.clone(), |(_, _, value)| value.clone());
-        self.row(path, name, &help, value, default, |ui, value| {
+        self.row(path, name, &help, value, default, &[], |ui, value| {
             let mut picked = false;
             let box_id = ui.id().with(path);
             let mut response = egui::ComboBox::from_id_salt(box_id)
@@ -198,7 +221,9 @@ impl<'a> Form<'a> {
         });
     }
 
-    /// Label, widget, reset; notes what changed.
+    /// Label, widget, reset, key; notes what changed. `numbers` is what those that can be keyed are
+    /// called behind the path.
+    #[allow(clippy::too_many_arguments, reason = "what a row is made of")]
     fn row<T: Clone + PartialEq>(
         &mut self,
         path: &'static str,
@@ -206,11 +231,14 @@ impl<'a> Form<'a> {
         help: &str,
         value: &mut T,
         default: T,
+        numbers: &[&str],
         widget: impl FnOnce(&mut Ui, &mut T) -> Response,
     ) {
         let before = value.clone();
         let differs = *value != default;
-        let (id, reset) = self
+        let keys = self.keying.as_ref().and_then(|keying| keying.keys(path, numbers));
+        let key_room = if self.keying.is_some() { KEY_WIDTH } else { 0.0 };
+        let (id, reset, key) = self
             .ui
             .push_id(path, |ui| {
                 // Rooms of a given size: no row can make the panel wider.
@@ -218,18 +246,22 @@ impl<'a> Form<'a> {
                     vec2(ui.available_width(), ui.spacing().interact_size.y),
                     egui::Sense::hover(),
                 );
+                let (row, beside) = row.split_left_right_at_x(row.right() - key_room);
                 let [name_room, room, reset_room] = rooms(row);
                 label(&mut room_in(ui, name_room), name).on_hover_text(help);
                 let mut inside = room_in(ui, room);
                 let response = widget(&mut inside, value).on_hover_text(help);
-                (response.id, differs && reset_button(&mut room_in(ui, reset_room), name))
+                let reset = differs && reset_button(&mut room_in(ui, reset_room), name);
+                let key = keys.as_ref().is_some_and(|(_, keyed)| key_button(ui, beside, name, *keyed));
+                (response.id, reset, key)
             })
             .inner;
         if reset {
             *value = default;
         }
-        if *value != before {
-            self.changed = Some(Change { name, path, field: id.value() });
+        let keys = keys.filter(|_| key).map(|(paths, _)| paths);
+        if *value != before || keys.is_some() {
+            self.changed = Some(Change { name, path, field: id.value(), keys });
         }
     }
 }

@@ -80,7 +80,7 @@ impl Editor {
     fn edit_menu(&mut self, ui: &mut Ui) {
         for entry in entries().iter().filter(|entry| entry.menu == "Edit") {
             self.item(ui, entry.action);
-            if matches!(entry.action, Action::Redo | Action::Rename | Action::Grow) {
+            if matches!(entry.action, Action::Redo | Action::Rename | Action::Grow | Action::Lock) {
                 ui.separator();
             }
         }

@@ -44,6 +44,8 @@ impl Document {
     /// Adds the clouds of a preset, moved by `offset` (metres), and selects the first of them.
     pub fn add_preset(&mut self, preset: Preset, seed: u64, offset: DVec3) {
         let mut clouds = preset.scene(seed).clouds;
+        // Their lives are of another timeline.
+        clouds.iter_mut().for_each(|cloud| cloud.life = None);
         for ellipsoid in clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.center += offset;
         }

@@ -13,7 +13,7 @@ use super::{
     palette::Palette,
     viewport::{self, ViewCommand},
 };
-use crate::scene::Preset;
+use crate::scene::{Preset, Timeline};
 
 /// Where the first ellipsoid goes: as high as fair-weather cumulus, metres.
 const FIRST: DVec3 = DVec3::new(0.0, 1000.0, 0.0);
@@ -41,6 +41,11 @@ impl Editor {
             Action::CameraFromView => {
                 let camera = self.viewport.camera();
                 self.document.edit("Set the camera", |scene| scene.camera = Some(camera));
+            }
+            Action::ToggleTimeline => self.toggle_timeline(),
+            Action::Play => self.timeline.toggle_playing(ctx, &self.document),
+            Action::RemoveTimeline => {
+                self.document.edit("Remove the timeline", |scene| scene.timeline = None);
             }
             Action::ToggleOutliner => self.settings.toggle("outliner"),
             Action::ToggleInspector => self.settings.toggle("inspector"),
@@ -71,6 +76,7 @@ impl Editor {
             }
             Action::Delete => document.delete(),
             Action::Rename => self.outliner.rename_active(document),
+            Action::KeySelected => document.key_selected(),
             Action::Group => document.group(),
             Action::Join => {
                 if let Some(to) = document.selection().active.map(|id| id.cloud) {
@@ -107,6 +113,8 @@ impl Editor {
             Action::Redo => document.redo_name().is_some(),
             Action::Revert => self.session.path().is_some() && document.is_dirty(),
             Action::Delete | Action::Duplicate | Action::Hide | Action::Lock => !selection.is_empty(),
+            Action::Play | Action::RemoveTimeline => document.scene().timeline.is_some(),
+            Action::KeySelected => document.scene().timeline.is_some() && !selection.ellipsoids.is_empty(),
             Action::Rename => selection.active.is_some() || selection.cloud.is_some(),
             Action::Group | Action::Grow => !selection.ellipsoids.is_empty(),
             Action::Join => {
@@ -155,6 +163,17 @@ impl Editor {
     pub(super) fn next_seed(&mut self) -> u64 {
         self.seed += 1;
         self.seed
+    }
+
+    /// Shows the timeline or closes it; begins one where there is none.
+    fn toggle_timeline(&mut self) {
+        if self.document.scene().timeline.is_none() {
+            self.document.edit("Add a timeline", |scene| scene.timeline = Some(Timeline::default()));
+            if self.settings.shows("timeline") {
+                return;
+            }
+        }
+        self.settings.toggle("timeline");
     }
 
     /// Shows one panel of the inspector.

@@ -97,7 +97,7 @@ impl Session {
     /// Where the file is read-only or can't be written; file and session are then as before.
     pub fn save(&mut self, document: &mut Document, path: &Path) -> Result<()> {
         refuse_read_only(path)?;
-        let scene = document.shared_scene();
+        let scene = document.file_scene();
         scene.save(path)?;
         document.mark_saved(scene);
         (self.path, self.stamp) = (Some(path.to_owned()), Stamp::of(path));
@@ -143,7 +143,7 @@ impl Session {
         // After a failure it waits as long again: one message at a time.
         self.dirty_since = None;
         self.kept = Some(document.revision());
-        let keep = |recovery: &Recovery| recovery.keep(self.path.as_deref(), document.scene());
+        let keep = |recovery: &Recovery| recovery.keep(self.path.as_deref(), &document.file_scene());
         self.recovery.as_ref().map_or(Ok(()), keep)?;
         Ok(None)
     }

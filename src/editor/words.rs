@@ -109,6 +109,8 @@ fn symbol(unit: &str) -> &'static str {
         "micrometres" => " µm",
         "degrees" => "°",
         "seconds" => " s",
+        "hours" => " h",
+        "frames per second" => " fps",
         "stops" => " stops",
         "metres per second" => " m/s",
         "per cubic centimetre" => " /cm³",

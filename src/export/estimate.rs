@@ -9,8 +9,8 @@ use exr::{
 };
 
 use super::{
-    Picture,
-    exr::{Attributes, channels, write_channels},
+    Notes, Picture,
+    exr::{channels, write_channels},
 };
 use crate::{Error, Result, reference::Estimate, scene::Scene};
 
@@ -36,6 +36,20 @@ pub struct Earlier {
 /// # Errors
 /// [`Error::File`] when the file can't be written.
 pub fn write_estimate(path: &Path, picture: &Picture, estimate: &Estimate, scene: &Scene) -> Result<()> {
+    write_estimate_noted(path, picture, estimate, scene, &Notes::default())
+}
+
+/// The same with notes, as attributes.
+///
+/// # Errors
+/// [`Error::File`] when the file can't be written.
+pub fn write_estimate_noted(
+    path: &Path,
+    picture: &Picture,
+    estimate: &Estimate,
+    scene: &Scene,
+    notes: &Notes,
+) -> Result<()> {
     let mut list = channels("", picture);
     for (c, name) in MEAN.into_iter().enumerate() {
         list.push((name.to_owned(), estimate.mean.iter().map(|pixel| pixel[c]).collect()));
@@ -43,7 +57,7 @@ pub fn write_estimate(path: &Path, picture: &Picture, estimate: &Estimate, scene
     for (c, name) in ERROR.into_iter().enumerate() {
         list.push((name.to_owned(), estimate.error.iter().map(|error| error[c]).collect()));
     }
-    let mut attributes = Attributes::new();
+    let mut attributes = notes.attributes();
     attributes.insert(SAMPLES.into(), AttributeValue::I32(estimate.samples as i32));
     if let Some(text) = Text::new_or_none(ascii(&scene.to_json())) {
         attributes.insert(SCENE.into(), AttributeValue::Text(text));

@@ -8,7 +8,7 @@ use exr::{
 };
 use half::f16;
 
-use super::Picture;
+use super::{Notes, Picture};
 use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
 
 /// Writes one picture as R, G, B, A.
@@ -16,7 +16,15 @@ use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
 /// # Errors
 /// [`crate::Error::File`] when the file can't be written.
 pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
-    write_channels(path, picture, &channels("", picture), Attributes::new())
+    write_beauty_noted(path, picture, &Notes::default())
+}
+
+/// The same with notes, as attributes.
+///
+/// # Errors
+/// [`crate::Error::File`] when the file can't be written.
+pub fn write_beauty_noted(path: &Path, picture: &Picture, notes: &Notes) -> Result<()> {
+    write_channels(path, picture, &channels("", picture), notes.attributes())
 }
 
 /// Writes the beauty and the layers that it is the sum of:
@@ -28,6 +36,22 @@ pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
 /// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
 /// can't be written.
 pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers, transparent: bool, reduce: usize) -> Result<()> {
+    write_layers_noted(path, gpu, layers, transparent, reduce, &Notes::default())
+}
+
+/// The same with notes, as attributes.
+///
+/// # Errors
+/// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
+/// can't be written.
+pub fn write_layers_noted(
+    path: &Path,
+    gpu: &Gpu,
+    layers: &Layers,
+    transparent: bool,
+    reduce: usize,
+    notes: &Notes,
+) -> Result<()> {
     let read = |texture| Picture::read(gpu, texture).map(|picture| picture.reduced(reduce));
     let [sky, single, multiple, air, distance, normal] =
         [&layers.sky, &layers.single, &layers.multiple, &layers.air, &layers.distance, &layers.normal]
@@ -43,7 +67,16 @@ pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers, transparent: bool, 
     for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
         list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
     }
-    write_channels(path, &sky, &list, Attributes::new())
+    write_channels(path, &sky, &list, notes.attributes())
+}
+
+/// Writes channels by their names, such as `Y` or `depth.Z`, row by row from the top: half floats, or
+/// floats in the layers `depth`, `cloud` and `error`.
+///
+/// # Errors
+/// [`crate::Error::File`] when the file can't be written.
+pub fn write_named(path: &Path, [width, height]: [usize; 2], list: &[(String, Vec<f32>)]) -> Result<()> {
+    write_channels(path, &Picture { width, height, pixels: Vec::new() }, list, Attributes::new())
 }
 
 /// Distance in metres; a cloud that hides less than a thousandth is none.

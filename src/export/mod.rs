@@ -1,11 +1,35 @@
-//! Pictures out of the renderer: PNG for eyes, EXR for compositors.
+//! Files for other programs: pictures for eyes (PNG) and compositors (EXR), volumes (OpenVDB,
+//! Mitsuba), skies and sprites for games.
 
+pub mod atlas;
+mod camera;
 mod estimate;
 mod exr;
+mod hdr;
+mod impostor;
+mod ktx;
+mod motion;
+mod notes;
 mod picture;
 mod png;
+mod sky_map;
+mod sprite;
+mod studio;
+mod vdb;
+mod vol;
 
-pub use estimate::{Earlier, read_estimate, write_estimate};
-pub use exr::{write_beauty, write_layers};
+pub use camera::write_camera;
+pub use estimate::{Earlier, read_estimate, write_estimate, write_estimate_noted};
+pub use exr::{write_beauty, write_beauty_noted, write_layers, write_layers_noted, write_named};
+pub use hdr::write_hdr;
+pub use impostor::{Around, impostor};
+pub use ktx::write_ktx2;
+pub use motion::{Motion, turning};
+pub use notes::Notes;
 pub use picture::Picture;
-pub use png::write_png;
+pub use png::{opaque_of, read_rgb, write_grey, write_png, write_png_noted};
+pub use sky_map::{FACES, cube_faces, equirectangular};
+pub use sprite::{Course, EDGES, SIDES, Subject};
+pub use studio::{Shot, Studio};
+pub use vdb::write_vdb;
+pub use vol::write_vol;

@@ -48,6 +48,20 @@ impl Picture {
         Self { width, height, pixels: (0..width * height).map(mean).collect() }
     }
 
+    /// Pictures of one size side by side, `columns` in a row, from the top left; what is left of the last row is empty.
+    pub fn in_rows(tiles: &[Self], columns: usize) -> Self {
+        let [width, height] = tiles.first().map_or([0; 2], |tile| [tile.width, tile.height]);
+        let rows = tiles.len().div_ceil(columns);
+        let mut pixels = vec![[0.0; 4]; columns * width * rows * height];
+        for (i, tile) in tiles.iter().enumerate() {
+            let corner = i / columns * height * columns * width + i % columns * width;
+            for (y, row) in tile.pixels.chunks_exact(width).enumerate() {
+                pixels[corner + y * columns * width..][..width].copy_from_slice(row);
+            }
+        }
+        Self { width: columns * width, height: rows * height, pixels }
+    }
+
     /// Puts this picture, whose colours are multiplied by alpha, over another of its size.
     pub fn put_over(&mut self, behind: &Self) {
         for (pixel, behind) in self.pixels.iter_mut().zip(&behind.pixels) {

@@ -19,7 +19,7 @@ pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
     "aerial", "clouds", "compose", "ground_light", "mips", "moments_entering", "moments_medium", "moments_scatter", "moments_store", "moments_sweep", "multiple_scattering", "sky", "sky_light", "sky_view",
-    "path", "resolve", "sky_volume", "sun_maps", "sun_normals", "transmittance",
+    "path", "resolve", "sky_volume", "sun_maps", "sun_normals", "transmittance", "voxels",
 );
 
 /// The whole source of an entry point, or of any text with `// @use` lines.

@@ -298,11 +298,14 @@ fn lanes(pixels: u32, gpu: &Gpu) -> u32 {
 }
 
 /// The tables of the frame's sky.
+/// The sky as clouds see it.
 fn prepared_sky(gpu: &Gpu, frame: &Frame) -> Sky {
     let mut sky = Sky::new(&gpu.device);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let settings = SkySettings::new(&frame.scene, frame.to_sun);
-    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &settings, &frame.camera, None);
+    let mut eye = frame.camera;
+    eye.altitude = settings.uniform.light_altitude;
+    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &settings, &eye, None);
     gpu.queue.submit([encoder.finish()]);
     sky
 }

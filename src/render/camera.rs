@@ -61,6 +61,24 @@ impl CameraUniform {
         }
     }
 
+    /// Parallel lines of sight along `forward` from the points of a horizontal square of `extent` metres,
+    /// north on top; `altitude` is that of its middle above the ground, m. They need not leave
+    /// the square at right angles.
+    pub(crate) fn from_square(forward: DVec3, extent: f64, altitude: f64, size: u32) -> Self {
+        let half = 0.5 * extent;
+        Self {
+            right: (half * DVec3::X).as_vec3(),
+            projection: Self::ORTHOGRAPHIC,
+            up: (half * DVec3::NEG_Z).as_vec3(),
+            altitude: altitude as f32,
+            forward: forward.as_vec3(),
+            pixel: (extent / f64::from(size)) as f32,
+            size: [size as f32; 2],
+            jitter: 0.0,
+            padding: 0.0,
+        }
+    }
+
     pub(crate) fn jittered(mut self, on: bool) -> Self {
         self.jitter = f32::from(u8::from(on));
         self

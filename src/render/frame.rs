@@ -11,7 +11,7 @@ use crate::{Error, Result, scene::Scene};
 /// A scene at one moment, seen by one camera, for one size of picture.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// The scene that it was made from, wind applied.
+    /// The moment of the scene that it was made from.
     pub(crate) scene: Scene,
     pub(crate) camera: CameraUniform,
     pub(crate) camera_position: DVec3,
@@ -40,26 +40,21 @@ impl Frame {
     /// # Errors
     /// Where a value of the scene is out of its range, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
-        scene.validate()?;
+        let mut moved = scene.at(scene.time)?;
         if size.contains(&0) {
             return Err(Error::Argument(format!(
                 "a picture of {} by {} pixels has none: both must be at least 1",
                 size[0], size[1]
             )));
         }
-        let camera = scene.camera();
-        let mut moved = scene.clone();
+        let camera = moved.camera();
         for cloud in &mut moved.clouds {
             cloud.ellipsoids = cloud.visible().cloned().collect();
         }
-        let blown = scene.wind.velocity * scene.time;
-        for ellipsoid in moved.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
-            ellipsoid.center += blown;
-        }
         Ok(Self {
-            camera: CameraUniform::new(&camera, scene.ground.altitude, size),
+            camera: CameraUniform::new(&camera, moved.ground.altitude, size),
             camera_position: camera.position,
-            to_sun: scene.sun.to_sun(),
+            to_sun: moved.sun.to_sun(),
             clouds: clouds(&moved)?,
             scene: moved,
         })
@@ -72,6 +67,24 @@ impl Frame {
         origin: DVec3,
     ) -> impl Iterator<Item = EllipsoidUniform> {
         EllipsoidUniform::of_cloud(&self.scene.clouds[self.clouds[index].source], origin)
+    }
+
+    /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
+    /// towards the sun: north on top, `size` pixels along an edge.
+    ///
+    /// # Errors
+    /// As [`Frame::new`], and where the sun does not stand above the horizon.
+    pub fn towards_sun(scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Self> {
+        let mut frame = Self::new(scene, [size; 2])?;
+        if frame.to_sun.y <= 1e-3 {
+            return Err(Error::Argument(
+                "the sun does not stand above the horizon: it casts no shadows on the ground".to_owned(),
+            ));
+        }
+        frame.camera =
+            CameraUniform::from_square(frame.to_sun, extent, center.y - scene.ground.altitude, size);
+        frame.camera_position = center;
+        Ok(frame)
     }
 
     /// Width and height of the picture, pixels.

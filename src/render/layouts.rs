@@ -5,8 +5,16 @@ use std::mem::{offset_of, size_of};
 use wgpu::naga::{TypeInner, proc::Layouter};
 
 use super::{
-    camera::CameraUniform, clouds::CloudUniform, compose::ComposeUniform, ellipsoids::EllipsoidUniform,
-    light::LightBox, moments::FieldUniform, noise::NoiseFrame, resolve::ResolveUniform, tiles::Tile,
+    camera::CameraUniform,
+    clouds::CloudUniform,
+    compose::ComposeUniform,
+    ellipsoids::EllipsoidUniform,
+    light::LightBox,
+    moments::FieldUniform,
+    noise::NoiseFrame,
+    resolve::ResolveUniform,
+    tiles::Tile,
+    voxels::{BlockUniform, VoxelsUniform},
 };
 use crate::{
     gpu,
@@ -44,7 +52,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 10] = [
+    let cases: [(&str, &str, Layout); 12] = [
         (
             "path",
             "Scene",
@@ -85,6 +93,8 @@ fn structs_of_rust_and_shaders_agree() {
         ),
         ("clouds", "Tile", layout!(Tile: area, first, count)),
         ("compose", "Compose", layout!(ComposeUniform: exposure, curve)),
+        ("voxels", "Voxels", layout!(VoxelsUniform: edge_x, samples, edge_y, blocks, edge_z)),
+        ("voxels", "Block", layout!(BlockUniform: corner, first, count)),
         ("resolve", "Resolve", layout!(ResolveUniform: rays, shown, range, stops)),
     ];
     for (shader, name, rust) in cases {

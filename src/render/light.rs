@@ -131,7 +131,7 @@ pub(super) struct LightPass {
     moments: Option<MomentsPass>,
 }
 
-/// What a cloud's light depends on.
+/// What a volume of optical depths depends on.
 #[derive(Clone, PartialEq)]
 struct Key {
     ellipsoids: Vec<EllipsoidUniform>,
@@ -139,6 +139,49 @@ struct Key {
     seed: u32,
     light_box: LightBox,
     voxels: [u32; 3],
+}
+
+/// What fills a cloud, and on how many cells its light is solved for.
+#[derive(Clone, PartialEq)]
+struct Medium {
+    ellipsoids: Vec<EllipsoidUniform>,
+    noise: NoiseFrame,
+    seed: u32,
+    optics: Arc<CloudOptics>,
+    cells: u32,
+}
+
+/// What a cloud's light is made for; where that is the same, so is the light.
+#[derive(Clone, PartialEq)]
+pub(super) struct Wanted {
+    sun: Key,
+    sky: Option<Key>,
+    /// Of the moments, where light is solved for; those of the sun depend on `sun`, too.
+    medium: Option<Medium>,
+    sky_medium: Option<(Medium, Option<SkySettings>)>,
+}
+
+impl Wanted {
+    /// Light for `cloud` in the shadow of `others`.
+    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, others: &[EllipsoidUniform], detail: Detail) -> Self {
+        // What asks for no light gets the smallest.
+        let resolution = if inputs.sunlit { detail.resolution } else { 16 };
+        let sky_resolution = (resolution / 4).clamp(8, 32);
+        let medium = |cells: u32| Medium {
+            ellipsoids: cloud.ellipsoids.clone(),
+            noise: cloud.noise,
+            seed: inputs.seed,
+            optics: cloud.optics.clone(),
+            cells,
+        };
+        let coarse = || (medium((detail.cells / 2).max(8)), inputs.sky.settings());
+        Self {
+            sun: key(inputs, cloud, others, -inputs.to_sun, resolution),
+            sky: inputs.openness.then(|| key(inputs, cloud, &[], DVec3::NEG_Y, sky_resolution)),
+            medium: inputs.moments.then(|| medium(detail.cells)),
+            sky_medium: (inputs.moments && inputs.lit_by_sky).then(coarse),
+        }
+    }
 }
 
 /// The prepared light of one cloud.
@@ -150,8 +193,7 @@ pub(super) struct CloudLight {
     pub sun_normals: wgpu::TextureView,
     pub sky_volume: wgpu::TextureView,
     pub moments: Option<CloudMoments>,
-    sun_key: Key,
-    sky_key: Option<Key>,
+    made_for: Wanted,
 }
 
 impl CloudLight {
@@ -161,6 +203,17 @@ impl CloudLight {
         let own = [&self.sun_volume, &self.sun_depths, &self.sun_normals, &self.sky_volume];
         own.into_iter().chain(moments).map(|view| bytes(view.texture())).sum()
     }
+
+    /// Whether nothing that it depends on has changed.
+    pub fn is(&self, wanted: &Wanted) -> bool {
+        self.made_for == *wanted
+    }
+
+    /// Whether it has all the parts, if of another moment.
+    pub fn stands_in_for(&self, wanted: &Wanted) -> bool {
+        let parts = |w: &Wanted| [w.sky.is_some(), w.medium.is_some(), w.sky_medium.is_some()];
+        parts(&self.made_for) == parts(wanted)
+    }
 }
 
 /// The moments of a cloud's light, on grids in one box.
@@ -169,18 +222,13 @@ pub(super) struct CloudMoments {
     pub field_box: FieldBox,
     pub sun: wgpu::TextureView,
     pub sky: wgpu::TextureView,
-    sun_key: (Key, Medium),
-    sky_key: Option<(Medium, Option<SkySettings>)>,
 }
 
-/// What fills a cloud, and on how many cells its light is solved for.
-#[derive(Clone, PartialEq)]
-struct Medium {
-    ellipsoids: Vec<EllipsoidUniform>,
-    noise: NoiseFrame,
-    seed: u32,
-    optics: Arc<CloudOptics>,
-    cells: u32,
+/// Moments that need not be solved for.
+#[derive(Default)]
+struct Solved {
+    sun: Option<wgpu::TextureView>,
+    sky: Option<wgpu::TextureView>,
 }
 
 /// What the passes share.
@@ -212,101 +260,83 @@ impl LightPass {
         }
     }
 
-    /// Light for `cloud` in the shadow of `others`, taken over from `before` where nothing it
-    /// depends on changed. Counts the volumes that were redone in `redone`.
-    #[allow(clippy::too_many_arguments)]
+    /// The light of `cloud` that is `wanted`, taken over from `before` where nothing it depends on
+    /// changed. Counts the volumes that were redone in `redone`.
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
-        others: &[EllipsoidUniform],
-        detail: Detail,
+        wanted: Wanted,
         before: Option<CloudLight>,
         redone: &mut u32,
     ) -> CloudLight {
-        // What asks for no light gets the smallest.
-        let resolution = if inputs.sunlit { detail.resolution } else { 16 };
-        let sun_key = key(inputs, cloud, others, -inputs.to_sun, resolution);
-        let sky_resolution = (resolution / 4).clamp(8, 32);
-        let sky_key = inputs.openness.then(|| key(inputs, cloud, &[], DVec3::NEG_Y, sky_resolution));
-        let (mut sun, mut sky, mut moments) = (None, None, None);
+        let (mut sun, mut sky) = (None, None);
+        let mut known = Solved::default();
         if let Some(before) = before {
-            moments = before.moments;
-            if before.sun_key == sun_key {
-                sun = Some((before.sun_volume, before.sun_depths, before.sun_normals));
-            }
-            if before.sky_key == sky_key {
+            let made_for = &before.made_for;
+            if made_for.sky == wanted.sky {
                 sky = Some(before.sky_volume);
+            }
+            if let Some(moments) = before.moments {
+                let same = made_for.sun == wanted.sun && made_for.medium == wanted.medium;
+                known.sun = same.then_some(moments.sun);
+                known.sky = (made_for.sky_medium == wanted.sky_medium).then_some(moments.sky);
+            }
+            if made_for.sun == wanted.sun {
+                sun = Some((before.sun_volume, before.sun_depths, before.sun_normals));
             }
         }
         let (sun_volume, sun_depths, sun_normals) = sun.unwrap_or_else(|| {
             *redone += 1;
-            self.sun(encoder, inputs, &sun_key, resolution)
+            self.sun(encoder, inputs, &wanted.sun)
         });
-        let sky_volume = sky.unwrap_or_else(|| match &sky_key {
+        let sky_volume = sky.unwrap_or_else(|| match &wanted.sky {
             Some(sky_key) => {
                 *redone += 1;
                 self.sky(encoder, inputs, sky_key)
             }
             None => view(&volume(inputs.device, "no sky volume", [1, 1, 1])),
         });
-        let moments = inputs.moments.then(|| {
-            let sun = (&sun_key, &sun_volume);
-            self.moments(encoder, inputs, cloud, sun, detail, moments, redone)
+        let moments = wanted.medium.as_ref().map(|medium| {
+            self.moments(encoder, inputs, cloud, (&wanted, medium), &sun_volume, known, redone)
         });
         CloudLight {
             moments,
-            sun_box: sun_key.light_box,
-            sky_box: sky_key.as_ref().map_or(sun_key.light_box, |key| key.light_box),
+            sun_box: wanted.sun.light_box,
+            sky_box: wanted.sky.as_ref().map_or(wanted.sun.light_box, |key| key.light_box),
             sun_volume,
             sun_depths,
             sun_normals,
             sky_volume,
-            sun_key,
-            sky_key,
+            made_for: wanted,
         }
     }
 
-    /// Moments of the light in `cloud`, taken over from `before` where nothing changed.
+    /// Moments of the light in `cloud`, but for those that are `known`.
     #[allow(clippy::too_many_arguments)]
     fn moments(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
-        (sun_key, sun_volume): (&Key, &wgpu::TextureView),
-        detail: Detail,
-        before: Option<CloudMoments>,
+        (wanted, medium): (&Wanted, &Medium),
+        sun_volume: &wgpu::TextureView,
+        known: Solved,
         redone: &mut u32,
     ) -> CloudMoments {
-        let medium = Medium {
-            ellipsoids: cloud.ellipsoids.clone(),
-            noise: cloud.noise,
-            seed: inputs.seed,
-            optics: cloud.optics.clone(),
-            cells: detail.cells,
-        };
-        let coarse = Medium { cells: (detail.cells / 2).max(8), ..medium.clone() };
-        let sky_key = inputs.lit_by_sky.then(|| (coarse, inputs.sky.settings()));
-        let sun_key = (sun_key.clone(), medium);
-        let (mut sun, mut sky) = (None, None);
-        if let Some(before) = before {
-            sun = (before.sun_key == sun_key).then_some(before.sun);
-            sky = (before.sky_key == sky_key).then_some(before.sky);
-        }
         let pass = self.moments.get_or_insert_with(|| MomentsPass::new(inputs.device));
         let mut solve = |lights, cells| {
             *redone += 1;
-            let sun = (&sun_key.0.light_box, sun_key.0.voxels, sun_volume);
+            let sun = (&wanted.sun.light_box, wanted.sun.voxels, sun_volume);
             pass.solve(encoder, inputs, cloud, sun, lights, cells)
         };
-        let sun = sun.unwrap_or_else(|| solve(Lights::Sun, detail.cells));
-        let sky = sky.unwrap_or_else(|| match &sky_key {
-            Some((medium, _)) => solve(Lights::Sky, medium.cells),
+        let sun = known.sun.unwrap_or_else(|| solve(Lights::Sun, medium.cells));
+        let sky = known.sky.unwrap_or_else(|| match &wanted.sky_medium {
+            Some((coarse, _)) => solve(Lights::Sky, coarse.cells),
             None => view(&volume(inputs.device, "no sky moments", [1, 1, 1])),
         });
-        CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky, sun_key, sky_key }
+        CloudMoments { field_box: FieldBox::new(&cloud.ellipsoids), sun, sky }
     }
 
     fn sun(
@@ -314,9 +344,9 @@ impl LightPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         key: &Key,
-        resolution: u32,
     ) -> (wgpu::TextureView, wgpu::TextureView, wgpu::TextureView) {
         let device = inputs.device;
+        let resolution = key.voxels[0];
         let sun_volume = view(&volume(device, "sun volume", key.voxels));
         let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, resolution));
         let [depths_0, normals_0] = [&depths, &normals].map(|map| level(map, 0));

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::{
     Quality,
     frame::{CloudFrame, Frame},
-    light::{CloudLight, Inputs, LightPass},
+    light::{CloudLight, Inputs, LightPass, Wanted},
     light_plan::{allowance, plan},
     occluders::occluders,
 };
@@ -19,34 +19,46 @@ fn place(cloud: &CloudFrame) -> Place {
     cloud.origin.to_array().map(f64::to_bits)
 }
 
+/// Light of a cloud.
+struct Kept {
+    place: Place,
+    light: CloudLight,
+    /// Number of the picture that it was made for.
+    made: u64,
+}
+
 /// Light by cloud.
 pub(super) struct LightStore {
     pass: LightPass,
-    lights: Vec<Option<(Place, CloudLight)>>,
+    lights: Vec<Option<Kept>>,
     /// Of clouds that are not in the picture.
-    away: Vec<(Place, CloudLight)>,
+    away: Vec<Kept>,
+    pictures: u64,
     /// How many volumes were made so far.
     pub redone: u32,
+    /// Clouds of the last picture whose light is of another moment, or is yet to be made.
+    pub waiting: u32,
 }
 
 impl LightStore {
     pub fn new(device: &wgpu::Device) -> Self {
-        Self { pass: LightPass::new(device), lights: Vec::new(), away: Vec::new(), redone: 0 }
+        let pass = LightPass::new(device);
+        Self { pass, lights: Vec::new(), away: Vec::new(), pictures: 0, redone: 0, waiting: 0 }
     }
 
     /// Light of cloud `index` of the frame that was prepared last; none where it is out of view.
     pub fn get(&self, index: usize) -> Option<&CloudLight> {
-        self.lights.get(index)?.as_ref().map(|(_, light)| light)
+        self.lights.get(index)?.as_ref().map(|kept| &kept.light)
     }
 
     /// Memory of all textures of light, bytes.
     pub fn bytes(&self) -> u64 {
-        let kept = self.lights.iter().flatten().chain(&self.away);
-        kept.map(|(_, light)| light.bytes()).sum()
+        self.lights.iter().flatten().chain(&self.away).map(|kept| kept.light.bytes()).sum()
     }
 
-    /// Makes what the clouds `in_view` lack of light; `flush` may submit what is recorded so far,
-    /// after each cloud for which there was something to do.
+    /// Makes what the clouds `in_view` lack of light, for `most` clouds: those first that have none or
+    /// the oldest. `flush` may submit what is recorded so far, after each of them.
+    #[allow(clippy::too_many_arguments)]
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -54,46 +66,74 @@ impl LightStore {
         frame: &Frame,
         quality: &Quality,
         in_view: &[bool],
+        most: u32,
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder),
     ) {
-        let mut known: HashMap<Place, Vec<CloudLight>> = HashMap::new();
-        let lights = std::mem::take(&mut self.lights).into_iter().flatten();
-        for (place, light) in lights.chain(std::mem::take(&mut self.away)) {
-            known.entry(place).or_default().push(light);
-        }
+        self.pictures += 1;
+        self.waiting = 0;
+        let (mut known, mut rest) = self.found(frame);
         let details = plan(quality, &frame.clouds, in_view, &frame.camera, frame.camera_position);
         let shading = occluders(&frame.clouds, -inputs.to_sun);
-        for (index, cloud) in frame.clouds.iter().enumerate() {
-            let light = details[index].map(|detail| {
-                let others: Vec<_> = shading[index]
-                    .iter()
-                    .flat_map(|&other| frame.ellipsoids_of(other as usize, cloud.origin))
-                    .collect();
-                let before = known.get_mut(&place(cloud)).and_then(Vec::pop);
-                let made = self.redone;
-                let light =
-                    self.pass.prepare(encoder, inputs, cloud, &others, detail, before, &mut self.redone);
-                if self.redone > made {
-                    flush(encoder);
-                }
-                (place(cloud), light)
-            });
-            self.lights.push(light);
+        let mut order: Vec<_> = (0..frame.clouds.len()).collect();
+        order.sort_by_key(|&index| known[index].as_ref().map(|kept| kept.made));
+        self.lights.resize_with(frame.clouds.len(), || None);
+        let mut left = most;
+        for index in order {
+            let cloud = &frame.clouds[index];
+            let before = known[index].take();
+            let Some(detail) = details[index] else {
+                rest.extend(before);
+                continue;
+            };
+            let others: Vec<_> = shading[index]
+                .iter()
+                .flat_map(|&other| frame.ellipsoids_of(other as usize, cloud.origin))
+                .collect();
+            let wanted = Wanted::new(inputs, cloud, &others, detail);
+            let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
+            self.lights[index] = if is_current || left == 0 {
+                self.waiting += u32::from(!is_current);
+                let place = place(cloud);
+                before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept { place, ..kept })
+            } else {
+                left -= 1;
+                let before = before.map(|kept| kept.light);
+                let light = self.pass.prepare(encoder, inputs, cloud, wanted, before, &mut self.redone);
+                flush(encoder);
+                Some(Kept { place: place(cloud), light, made: self.pictures })
+            };
         }
-        self.keep(frame, known, allowance(quality));
+        self.keep(frame, rest, allowance(quality));
+    }
+
+    /// What is kept for each cloud of `frame`, by where it is; a cloud that has moved is known by its
+    /// number. And the rest.
+    fn found(&mut self, frame: &Frame) -> (Vec<Option<Kept>>, Vec<Kept>) {
+        let lights = std::mem::take(&mut self.lights);
+        let numbers: Vec<_> = lights.iter().map(|light| light.as_ref().map(|kept| kept.place)).collect();
+        let mut known: HashMap<Place, Vec<Kept>> = HashMap::new();
+        for kept in lights.into_iter().flatten().chain(std::mem::take(&mut self.away)) {
+            known.entry(kept.place).or_default().push(kept);
+        }
+        let mut take = |place: &Place| known.get_mut(place).and_then(Vec::pop);
+        let mut found: Vec<_> = frame.clouds.iter().map(|cloud| take(&place(cloud))).collect();
+        for (kept, number) in found.iter_mut().zip(&numbers) {
+            if kept.is_none() {
+                *kept = number.as_ref().and_then(&mut take);
+            }
+        }
+        (found, known.into_values().flatten().collect())
     }
 
     /// Keeps light of clouds of the frame that are out of view, as long as all of it fits.
-    fn keep(&mut self, frame: &Frame, mut known: HashMap<Place, Vec<CloudLight>>, most: u64) {
+    fn keep(&mut self, frame: &Frame, mut rest: Vec<Kept>, most: u64) {
+        let numbers: HashMap<_, _> = frame.clouds.iter().map(place).zip(0..).collect();
+        rest.retain(|kept| numbers.contains_key(&kept.place));
+        rest.sort_by_key(|kept| numbers[&kept.place]);
         let mut total = self.bytes();
-        for place in frame.clouds.iter().map(place) {
-            if let Some(light) = known.get_mut(&place).and_then(Vec::pop) {
-                total += light.bytes();
-                if total > most {
-                    return;
-                }
-                self.away.push((place, light));
-            }
-        }
+        self.away.extend(rest.into_iter().take_while(|kept| {
+            total += kept.light.bytes();
+            total <= most
+        }));
     }
 }

@@ -25,6 +25,7 @@ pub mod slab_textures;
 mod stats;
 mod target;
 mod tiles;
+mod voxels;
 
 pub use camera::CameraUniform;
 pub(crate) use ellipsoids::EllipsoidUniform;
@@ -39,3 +40,4 @@ pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use slab_textures::SlabTable;
 pub use stats::Counts;
 pub use target::{Layers, SceneDepth, Target};
+pub use voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels};

@@ -99,6 +99,10 @@ pub struct Renderer {
     /// Whether the air between camera and clouds dims them and shines itself; without it the
     /// light is that of the clouds alone, as path traced pictures have it.
     pub aerial: bool,
+    /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
+    /// what they have, of another moment. For windows in which something moves; no limit where
+    /// left alone.
+    pub lights_at_once: u32,
     /// Whether to count work; slower.
     pub counting: bool,
     /// Times the passes where the adapter can.
@@ -133,6 +137,7 @@ impl Renderer {
             quality: Quality::default(),
             transport: Transport::default(),
             aerial: true,
+            lights_at_once: u32::MAX,
             counting: false,
             timing: None,
             noise: None,
@@ -157,6 +162,12 @@ impl Renderer {
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
         let mut pieces = self.begin_pieces(encoder, frame, target);
         self.draw_pieces(encoder, &mut pieces, u32::MAX);
+    }
+
+    /// Records the light of the clouds of `frame` alone, of [`Renderer::lights_at_once`] at most: a
+    /// picture that follows finds it made.
+    pub fn prepare_light(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        self.prepare(encoder, frame, &mut |_| ());
     }
 
     /// Records the sky alone, over all of `color`: for callers that draw geometry between
@@ -256,6 +267,11 @@ impl Renderer {
         self.redone + self.lights.redone
     }
 
+    /// Clouds of the last picture that wait for their light: see [`Renderer::lights_at_once`].
+    pub fn lights_waiting(&self) -> u32 {
+        self.lights.waiting
+    }
+
     /// Memory that the light in the clouds takes, bytes: at most twice what 64 clouds of the
     /// largest kind take in this quality, or the coarsest light of all that are in the picture.
     pub fn light_bytes(&self) -> u64 {
@@ -316,7 +332,8 @@ impl Renderer {
             timing: self.timing.as_ref(),
         };
         let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
-        self.lights.prepare(encoder, &inputs, frame, &self.quality, &in_view, flush);
+        let most = self.lights_at_once;
+        self.lights.prepare(encoder, &inputs, frame, &self.quality, &in_view, most, flush);
     }
 
     /// The clouds in the picture, far ones first.

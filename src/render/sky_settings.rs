@@ -6,6 +6,8 @@ use crate::scene::{self, Scene};
 
 /// Where the light on clouds is gathered in a scene without clouds, metres.
 const LIGHT_ALTITUDE: f64 = 1000.0;
+/// Steps of that altitude, m.
+const LIGHT_STEP: f64 = 25.0;
 /// Reach of the aerial volume, metres.
 pub(super) const AERIAL_REACH: f32 = 60e3;
 
@@ -79,7 +81,8 @@ pub struct SkySettings {
 
 impl SkySettings {
     /// The sky of a validated scene with the sun in direction `to_sun`. The light that
-    /// falls on clouds is that at half their height.
+    /// falls on clouds is that at half their height, to 25 m: all of it would have to be made
+    /// again for a cloud that has risen by a metre.
     pub fn new(scene: &Scene, to_sun: DVec3) -> Self {
         let sun_radius = (0.5 * scene.sun.angular_diameter_deg.to_radians()) as f32;
         let (air, radiance) = match &scene.sky {
@@ -89,6 +92,7 @@ impl SkySettings {
         };
         let has_air = air.is_some();
         let air = air.unwrap_or_default();
+        let rounded = |altitude: f64| LIGHT_STEP * (altitude / LIGHT_STEP).round();
         let middle = scene.bounds().map(|(low, high)| 0.5 * (low.y + high.y) - scene.ground.altitude);
         Self {
             atmosphere: has_air,
@@ -100,7 +104,7 @@ impl SkySettings {
                     sun_radius,
                 ),
                 to_sun: to_sun.as_vec3(),
-                light_altitude: middle.unwrap_or(LIGHT_ALTITUDE).max(0.0) as f32,
+                light_altitude: rounded(middle.unwrap_or(LIGHT_ALTITUDE)).max(0.0) as f32,
                 irradiance: vec3(scene.sun.irradiance),
                 aerial_reach: AERIAL_REACH,
                 radiance: vec3(radiance),

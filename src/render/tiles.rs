@@ -145,7 +145,14 @@ impl View<'_> {
         } else {
             planes
         };
-        let front = middle.try_normalize().map(|axis| (axis, eye));
+        // Of lines of sight that begin on a plane they don't cross at right angles, the hindmost.
+        let front = middle.try_normalize().map(|axis| {
+            let start = corners
+                .map(|(start, _)| start)
+                .into_iter()
+                .min_by(|a, b| a.dot(axis).total_cmp(&b.dot(axis)));
+            (axis, eye + start.unwrap_or_default())
+        });
         Wedge { planes, front: front.filter(|_| !curved), everything }
     }
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::At;
-use super::{Bounds, Droplets, Edge, Ellipsoid, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Life, union};
 use crate::Result;
 
 /// A cloud: the union of its ellipsoids, filled with droplets of one kind.
@@ -19,6 +19,9 @@ pub struct Cloud {
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
     pub edge: Edge,
+    /// When it forms and dissolves; left out where it is there all the time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub life: Option<Life>,
     /// Whether it is left out of pictures, the path traced ones too.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub hidden: bool,
@@ -48,7 +51,16 @@ impl Cloud {
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
             ellipsoid.check(list.index(i))?;
         }
+        self.check_own(at)
+    }
+
+    /// Checks what is no ellipsoid.
+    pub(super) fn check_own(&self, at: At) -> Result<()> {
         self.droplets.check(at.field("droplets"))?;
-        self.edge.check(at.field("edge"))
+        self.edge.check(at.field("edge"))?;
+        match &self.life {
+            Some(life) => life.check(at.field("life")),
+            None => Ok(()),
+        }
     }
 }

@@ -9,10 +9,13 @@ mod edge;
 mod ellipsoid;
 mod explain;
 mod file;
+mod life;
+mod moment;
 mod noise;
 mod presets;
 mod sky;
 mod sun;
+pub mod timeline;
 mod tone;
 mod validate;
 mod wind;
@@ -27,14 +30,17 @@ pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use file::schema;
+pub use life::Life;
 pub use noise::Noise;
 pub use presets::{Heaps, Preset};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
+pub use timeline::Timeline;
 pub use tone::{Tone, ToneCurve};
 pub use wind::Wind;
 
 use crate::Result;
+use timeline::Owner;
 use validate::{At, Limits};
 
 /// The version of the scene format that this program reads and writes.
@@ -74,7 +80,8 @@ pub struct Scene {
     pub ground: Ground,
     /// The wind that carries the clouds.
     pub wind: Wind,
-    /// Seconds since the scene's start, -10000000 to 10000000; the wind has blown that long.
+    /// Seconds since the scene's start, -10000000 to 10000000: the moment that a picture shows.
+    /// The wind has blown that long, and the timeline is that far.
     #[schemars(range(min = TIME.min, max = TIME.max), extend("unit" = TIME.unit))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
@@ -87,6 +94,9 @@ pub struct Scene {
     /// How light becomes what a screen shows: "filmic", "soft" or "linear"; "filmic" where left out.
     #[serde(skip_serializing_if = "is_default")]
     pub tone_curve: ToneCurve,
+    /// How the scene changes over time; left out where nothing but the wind moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub timeline: Option<Timeline>,
 }
 
 fn is_default(curve: &ToneCurve) -> bool {
@@ -108,6 +118,7 @@ impl Default for Scene {
             camera: None,
             exposure: 0.0,
             tone_curve: ToneCurve::default(),
+            timeline: None,
         }
     }
 }
@@ -145,9 +156,24 @@ impl Scene {
     /// # Errors
     /// [`Error::Scene`](crate::Error::Scene) with the JSON path, the value and what was expected.
     pub fn validate(&self) -> Result<()> {
+        self.check_moment()?;
+        match &self.timeline {
+            Some(timeline) => timeline.check(self, At::Root.field("timeline")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks everything but the timeline.
+    fn check_moment(&self) -> Result<()> {
         let at = At::Root;
         self.check_format(at)?;
         self.check_clouds(at.field("clouds"))?;
+        self.check_world()
+    }
+
+    /// Checks what is no cloud.
+    fn check_world(&self) -> Result<()> {
+        let at = At::Root;
         self.noise.check(at.field("noise"))?;
         self.sun.check(at.field("sun"))?;
         self.sky.check(at.field("sky"))?;
@@ -158,6 +184,20 @@ impl Scene {
             camera.check(at.field("camera"))?;
         }
         at.field("exposure").number(self.exposure, EXPOSURE)
+    }
+
+    /// Checks one object's own values.
+    fn check_owner(&self, owner: Owner) -> Result<()> {
+        let clouds = At::Root;
+        let clouds = clouds.field("clouds");
+        match owner {
+            Owner::Scene => self.check_world(),
+            Owner::Cloud(i) => self.clouds[i].check_own(clouds.index(i)),
+            Owner::Ellipsoid(i, j) => {
+                let cloud = clouds.index(i);
+                self.clouds[i].ellipsoids[j].check(cloud.field("ellipsoids").index(j))
+            }
+        }
     }
 
     fn check_format(&self, at: At) -> Result<()> {
@@ -179,7 +219,14 @@ impl Scene {
             )));
         }
         for (i, cloud) in self.clouds.iter().enumerate() {
-            cloud.check(at.index(i))?;
+            let at = at.index(i);
+            cloud.check(at)?;
+            if let Some(life) = cloud.life.as_ref().filter(|life| life.span(self.period()) <= 0.0) {
+                return Err(at.field("life").problem(format!(
+                    "death at {} seconds is not after birth at {}: only in a loop a life goes on over its end",
+                    life.death, life.birth
+                )));
+            }
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The sun: where it stands and how bright it is.
 
-use chrono::DateTime;
+use chrono::{DateTime, TimeDelta};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,7 @@ const DIAMETER: Limits = Limits::new(0.0, 10.0, "degrees");
 const AZIMUTH: Limits = Limits::new(-360.0, 360.0, "degrees");
 const ELEVATION: Limits = Limits::new(-90.0, 90.0, "degrees");
 const LATITUDE: Limits = Limits::new(-90.0, 90.0, "degrees");
+const HOURS: Limits = Limits::new(-1e5, 1e5, "hours");
 const LONGITUDE: Limits = Limits::new(-180.0, 180.0, "degrees");
 
 /// The light of the sun.
@@ -61,7 +62,16 @@ pub enum SunPosition {
         /// Date and time with zone as in RFC 3339, such as `2026-06-21T18:30:00+02:00`.
         #[schemars(extend("format" = "date-time"))]
         time: String,
+        /// Hours that have passed since `time`, -100000 to 100000; 0 where left out. Animate it
+        /// to let the sun go its way.
+        #[serde(default, skip_serializing_if = "is_zero")]
+        #[schemars(range(min = HOURS.min, max = HOURS.max), extend("unit" = HOURS.unit))]
+        hours: f64,
     },
+}
+
+fn is_zero(hours: &f64) -> bool {
+    *hours == 0.0
 }
 
 impl Default for Sun {
@@ -112,8 +122,8 @@ impl SunPosition {
         match self {
             Self::Angles { azimuth_deg, elevation_deg } => Ok(from_angles(*azimuth_deg, *elevation_deg)),
             Self::Direction(v) => Ok(v.normalize()),
-            Self::Place { latitude_deg, longitude_deg, time } => {
-                from_place(*latitude_deg, *longitude_deg, time, at.field("place"))
+            Self::Place { latitude_deg, longitude_deg, time, hours } => {
+                from_place(*latitude_deg, *longitude_deg, (time, *hours), at.field("place"))
             }
         }
     }
@@ -126,11 +136,12 @@ impl SunPosition {
                 angles.field("elevation_deg").number(*elevation_deg, ELEVATION)
             }
             Self::Direction(v) => at.field("direction").direction(*v),
-            Self::Place { latitude_deg, longitude_deg, time } => {
+            Self::Place { latitude_deg, longitude_deg, time, hours } => {
                 let place = at.field("place");
+                place.field("hours").number(*hours, HOURS)?;
                 place.field("latitude_deg").number(*latitude_deg, LATITUDE)?;
                 place.field("longitude_deg").number(*longitude_deg, LONGITUDE)?;
-                from_place(*latitude_deg, *longitude_deg, time, place).map(drop)
+                from_place(*latitude_deg, *longitude_deg, (time, *hours), place).map(drop)
             }
         }
     }
@@ -144,10 +155,13 @@ fn from_angles(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
     DVec3::new(sin_azimuth * cos_elevation, sin_elevation, -cos_azimuth * cos_elevation)
 }
 
-/// Unit vector towards the sun from a place (degrees) at `time` (RFC 3339), without refraction.
-fn from_place(latitude: f64, longitude: f64, time: &str, at: At) -> Result<DVec3> {
+/// Unit vector towards the sun from a place (degrees), so many hours after a time (RFC 3339),
+/// without refraction.
+fn from_place(latitude: f64, longitude: f64, (time, hours): (&str, f64), at: At) -> Result<DVec3> {
     let at = at.field("time");
     let when = DateTime::parse_from_rfc3339(time).map_err(|reason| unreadable(at, time, reason))?;
+    let later = TimeDelta::nanoseconds((hours * 3.6e12).round() as i64);
+    let when = when.checked_add_signed(later).ok_or_else(|| unreadable(at, time, "too far away"))?;
     let location = Location { latitude, longitude };
     let seconds = delta_t::estimate_from_date_like(&when).map_err(|reason| unreadable(at, time, reason))?;
     let position = SolarPositions::new()

@@ -9,7 +9,7 @@ use crate::Result;
 
 const SPEED: Limits = Limits::new(-1e3, 1e3, "metres per second");
 
-/// The wind that carries the clouds through the noise.
+/// The wind that carries the clouds through the noise, which stands still in the world.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {

@@ -9,6 +9,8 @@ pub mod picture;
 #[cfg(feature = "export")]
 pub mod random;
 #[cfg(feature = "export")]
+pub mod readers;
+#[cfg(feature = "export")]
 pub mod truth;
 #[cfg(feature = "editor")]
 pub mod window;

@@ -6,6 +6,7 @@ mod outliner_row;
 mod picture;
 mod sun;
 mod sun_dial;
+pub(super) mod timeline;
 mod view;
 mod world;
 
@@ -15,6 +16,7 @@ pub use object::ObjectPanel;
 pub use outliner::Outliner;
 pub use picture::{PicturePanel, PictureWish};
 pub use sun::SunPanel;
+pub use timeline::TimelinePanel;
 pub use view::ViewPanel;
 pub use world::{Wish, WorldPanel};
 
@@ -40,9 +42,11 @@ fn hint(ui: &mut Ui, text: &str) {
     ui.add(egui::Label::new(RichText::new(text).color(ui.visuals().weak_text_color())).wrap());
 }
 
-/// Puts a changed field into the document.
+/// Puts a changed field into the document, or the keys of one.
 fn apply(document: &mut Document, change: Option<Change>, set: impl FnOnce(&mut Scene)) {
-    if let Some(change) = change {
-        document.adjust(change.name, change.field, set);
+    match change {
+        Some(Change { keys: Some(paths), .. }) => document.toggle_keys(&paths),
+        Some(change) => document.adjust(change.name, change.field, set),
+        None => {}
     }
 }

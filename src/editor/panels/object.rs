@@ -10,7 +10,10 @@ use crate::{
         form::{Change, Form, name_widget},
         words::choice,
     },
-    scene::{Cloud, Droplets, Edge, Ellipsoid, Heaps, Phase},
+    scene::{
+        Cloud, Droplets, Edge, Ellipsoid, Heaps, Life, Phase,
+        timeline::{Owner, owner_path},
+    },
 };
 
 /// Inspector of the active ellipsoid and its cloud.
@@ -36,6 +39,7 @@ impl ObjectPanel {
             section(ui, "Grow heaps", false, |ui| self.grow(ui, document));
         }
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
+        section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
         section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
     }
 
@@ -67,6 +71,11 @@ impl ObjectPanel {
     }
 }
 
+/// The path of what rows are about.
+fn path(document: &Document, owner: Owner) -> String {
+    owner_path(owner, document.scene())
+}
+
 fn ellipsoid(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud) {
     let Some(mut ellipsoid) = document.ellipsoid(id).cloned() else { return };
     let others = document.selection().ellipsoids.len() - 1;
@@ -75,7 +84,7 @@ fn ellipsoid(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Clou
         hint(ui, &format!("{} are selected: density and edge change {what}.", others + 1));
     }
     let mut name = ellipsoid.name.clone().unwrap_or_default();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Ellipsoid(id.cloud, id.ellipsoid)));
     let default = Ellipsoid::default();
     form.text("Ellipsoid.name", "Name", &mut name, "ellipsoid");
     form.vector("Ellipsoid.center", "Centre", &mut ellipsoid.center, default.center);
@@ -87,7 +96,7 @@ fn ellipsoid(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Clou
     let change = form.changed();
     ellipsoid.name = Some(name).filter(|name| !name.is_empty());
     hint(ui, &thickness(cloud, &ellipsoid));
-    let all = change.is_some_and(|change| change.path == "Ellipsoid.density");
+    let all = change.as_ref().is_some_and(|change| change.path == "Ellipsoid.density");
     put(document, change, id, ellipsoid, |to, from| to.density = from.density, all);
 }
 
@@ -100,7 +109,7 @@ fn thickness(cloud: &Cloud, ellipsoid: &Ellipsoid) -> String {
 
 fn own_edge(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud) {
     let Some(mut ellipsoid) = document.ellipsoid(id).cloned() else { return };
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Ellipsoid(id.cloud, id.ellipsoid)));
     let mut own = ellipsoid.edge.is_some();
     form.check("Ellipsoid.edge", "Its own edge", &mut own, false);
     let mut edge = ellipsoid.edge.clone().unwrap_or_else(|| cloud.edge.clone());
@@ -142,7 +151,7 @@ fn put(
 
 fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: Cloud) {
     let widest = cloud.ellipsoids.iter().map(|e| 2.0 * e.radii.max_element()).fold(200.0, f64::max);
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
     edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
@@ -155,9 +164,26 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     apply(document, change, |scene| scene.clouds[index] = cloud);
 }
 
+fn life(ui: &mut Ui, document: &mut Document, index: usize, mut life: Option<Life>) {
+    let length = document.scene().timeline.as_ref().map_or(60.0, |timeline| timeline.length);
+    let begins = Life { birth: 0.0, death: length, forming: 0.25 * length, dissolving: 0.25 * length };
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
+    let mut own = life.is_some();
+    form.check("Cloud.life", "Forms and dissolves", &mut own, false);
+    let mut rows = life.take().unwrap_or_else(|| begins.clone());
+    if own {
+        form.slider("Life.birth", "Birth", &mut rows.birth, begins.birth, 0.0..=length);
+        form.slider("Life.death", "Death", &mut rows.death, begins.death, 0.0..=length);
+        form.slider("Life.forming", "Forming", &mut rows.forming, begins.forming, 0.0..=length);
+        form.slider("Life.dissolving", "Dissolving", &mut rows.dissolving, begins.dissolving, 0.0..=length);
+    }
+    let change = form.changed();
+    apply(document, change, |scene| scene.clouds[index].life = own.then_some(rows));
+}
+
 fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Droplets) {
     let default = Droplets::default();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
     form.slider(
         "Droplets.concentration_per_cm3",
         "Concentration",

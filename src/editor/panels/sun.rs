@@ -43,11 +43,12 @@ impl SunPanel {
                     latitude_deg: PLACE.0,
                     longitude_deg: PLACE.1,
                     time: PLACE.2.to_owned(),
+                    hours: 0.0,
                 },
             ),
             ("Direction", choice("SunPosition.direction"), SunPosition::Direction(sun.to_sun())),
         ];
-        let mut form = Form::new(ui);
+        let mut form = Form::new(ui).keyed(document, "");
         form.choice("Sun.position", "Position", &mut sun.position, &kinds);
         let dial = SunDial { azimuth_deg: azimuth, elevation_deg: elevation, heading_deg: heading };
         if let Some((azimuth, elevation)) = dial.ui(form.ui()) {
@@ -63,18 +64,24 @@ impl SunPanel {
             SunPosition::Direction(v) => {
                 form.vector("SunPosition.direction", "Direction", v, DVec3::new(-0.5, 0.7, 0.5));
             }
-            SunPosition::Place { latitude_deg, longitude_deg, time } => {
+            SunPosition::Place { latitude_deg, longitude_deg, time, hours } => {
                 let path = "SunPosition.place.latitude_deg";
                 form.slider(path, "Latitude", latitude_deg, PLACE.0, -90.0..=90.0);
                 let path = "SunPosition.place.longitude_deg";
                 form.slider(path, "Longitude", longitude_deg, PLACE.1, -180.0..=180.0);
                 self.time(form.ui(), time);
+                form.slider("SunPosition.place.hours", "Hours after", hours, 0.0, -12.0..=12.0);
                 hint(form.ui(), &format!("Azimuth {azimuth:.1}°, elevation {elevation:.1}°"));
             }
         }
         light(&mut form, &mut sun);
         // Dial and time are no rows of the form.
-        let change = form.changed().map_or(("Move the sun", DIAL), |change| (change.name, change.field));
+        let change = form.changed();
+        if let Some(paths) = change.as_ref().and_then(|change| change.keys.as_ref()) {
+            document.toggle_keys(paths);
+            return;
+        }
+        let change = change.map_or(("Move the sun", DIAL), |change| (change.name, change.field));
         if sun != document.scene().sun {
             document.adjust(change.0, change.1, |scene| scene.sun = sun);
         }

@@ -42,7 +42,7 @@ impl WorldPanel {
 
 fn sky(ui: &mut Ui, document: &mut Document) {
     let mut sky = document.scene().sky.clone();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     let kinds = [
         ("Atmosphere", choice("Sky.atmosphere"), Sky::default()),
         ("Uniform", choice("Sky.uniform"), Sky::Uniform { radiance: [0.1; 3] }),
@@ -70,7 +70,7 @@ fn picture(ui: &mut Ui, document: &mut Document) {
         ("Soft", "Less contrast: shades in bright clouds stay apart.", ToneCurve::Soft),
         ("Linear", "None: what is brighter than white is cut.", ToneCurve::Linear),
     ];
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     form.text("Scene.name", "Name", &mut name, "no name");
     form.slider("Scene.exposure", "Exposure", &mut exposure, 0.0, -6.0..=6.0);
     form.choice("Scene.tone_curve", "Tone curve", &mut curve, &curves);
@@ -94,7 +94,7 @@ fn camera(ui: &mut Ui, document: &mut Document) -> Option<Wish> {
     });
     let mut own = document.scene().camera.is_some();
     let mut camera = document.scene().camera();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     form.check("Scene.camera", "Its own place", &mut own, false);
     if own {
         camera_rows(&mut form, &mut camera);
@@ -148,7 +148,7 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
 fn noise(ui: &mut Ui, document: &mut Document) {
     let mut noise = document.scene().noise.clone();
     let default = Noise::default();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     form.whole("Noise.seed", "Seed", &mut noise.seed, default.seed);
     form.slider("Noise.scale", "Billow size", &mut noise.scale, default.scale, 1.0..=1000.0);
     form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
@@ -162,7 +162,7 @@ fn noise(ui: &mut Ui, document: &mut Document) {
 fn ground(ui: &mut Ui, document: &mut Document) {
     let mut ground = document.scene().ground.clone();
     let default = Ground::default();
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     form.color("Ground.albedo", "Albedo", &mut ground.albedo, default.albedo);
     form.number("Ground.altitude", "Altitude", &mut ground.altitude, default.altitude);
     let change = form.changed();
@@ -171,7 +171,7 @@ fn ground(ui: &mut Ui, document: &mut Document) {
 
 fn wind(ui: &mut Ui, document: &mut Document) {
     let (mut velocity, mut time) = (document.scene().wind.velocity, document.scene().time);
-    let mut form = Form::new(ui);
+    let mut form = Form::new(ui).keyed(document, "");
     form.vector("Wind.velocity", "Velocity", &mut velocity, DVec3::ZERO);
     form.slider("Scene.time", "Time", &mut time, 0.0, 0.0..=600.0);
     let change = form.changed();

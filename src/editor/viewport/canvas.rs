@@ -33,6 +33,9 @@ const REST: Duration = Duration::from_millis(160);
 const PATIENCE: u32 = 6;
 const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
 
+/// Share of the time of a picture, while something moves, that may go into light.
+const LIGHT_SHARE: f64 = 0.5;
+
 /// How far the picture has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
@@ -63,8 +66,12 @@ pub struct Canvas {
     rest_at: Instant,
     moving: Pace,
     editing: Pace,
+    /// Tiles drawn, and clouds lit, between two frames of the window.
     helping: Helping,
-    light_resolution: u32,
+    lighting: Helping,
+    lighting_spent: Duration,
+    /// The quality whose light there is. It goes on being used while only the view moves.
+    light: Quality,
     work: Option<Work>,
     linear: Option<wgpu::Texture>,
     screen: Option<Screen>,
@@ -89,8 +96,10 @@ impl Canvas {
             rest_at: Instant::now(),
             moving: pace,
             editing: pace,
-            helping: Helping::default(),
-            light_resolution: Quality::DRAFT.light_resolution,
+            helping: Helping::of(8),
+            lighting: Helping::of(2),
+            lighting_spent: Duration::ZERO,
+            light: Quality::DRAFT,
             work: None,
             linear: None,
             screen: None,
@@ -179,7 +188,7 @@ impl Canvas {
     /// Something moved: a whole picture at once, as fine as there is time for.
     fn move_to(&mut self, subject: Subject, edited: bool, budget: Duration) -> Result<()> {
         if edited {
-            self.light_resolution = Quality::DRAFT.light_resolution;
+            self.light = Quality::DRAFT;
         }
         self.abandon();
         let pace = if edited { self.editing } else { self.moving };
@@ -189,6 +198,7 @@ impl Canvas {
         self.error = None;
         let started = Instant::now();
         let mut work = self.begin(Stage::Moving, size, 1)?;
+        self.lit(work.began, budget.mul_f64(LIGHT_SHARE));
         self.draw(&mut work, u32::MAX)?;
         let spent = started.elapsed();
         let pace = if edited { &mut self.editing } else { &mut self.moving };
@@ -204,9 +214,12 @@ impl Canvas {
         let started = Instant::now();
         let mut work = match self.work.take() {
             Some(work) => work,
-            None => self.next()?,
+            None => match self.next(budget)? {
+                Some(work) => work,
+                None => return Ok(()),
+            },
         };
-        let tiles = self.helping.tiles();
+        let tiles = self.helping.count();
         let drawing = Instant::now();
         self.draw(&mut work, tiles)?;
         let ms = 1e3 * drawing.elapsed().as_secs_f64();
@@ -224,26 +237,62 @@ impl Canvas {
         Ok(())
     }
 
-    fn next(&mut self) -> Result<Work> {
+    /// The next finer picture; none as long as there is light to make for it, a helping of which is
+    /// made.
+    fn next(&mut self, budget: Duration) -> Result<Option<Work>> {
         let Some(Subject { size, rays, .. }) = self.subject else { unreachable!("refines what was drawn") };
-        if self.stage < Stage::Preview {
-            self.light_resolution = self.light_resolution.max(Quality::PREVIEW.light_resolution);
-            self.begin(Stage::Preview, size, 1)
+        let (stage, size, rays) = if self.stage < Stage::Preview {
+            if self.light == Quality::DRAFT {
+                self.light = Quality::PREVIEW;
+            }
+            (Stage::Preview, size, 1)
         } else {
-            self.light_resolution = Quality::FINAL.light_resolution;
-            self.begin(Stage::Final, size.map(|n| rays * n), rays)
+            self.light = Quality::FINAL;
+            (Stage::Final, size.map(|n| rays * n), rays)
+        };
+        let started = Instant::now();
+        let frame = self.frame(stage, size)?;
+        let mut encoder = self.encoder();
+        self.renderer.prepare_light(&mut encoder, &frame);
+        self.submit(encoder)?;
+        let spent = started.elapsed();
+        self.lit(spent, budget);
+        if self.renderer.lights_waiting() > 0 {
+            self.lighting_spent += spent;
+            return Ok(None);
+        }
+        let before = std::mem::take(&mut self.lighting_spent);
+        let mut work = self.begin(stage, size, rays)?;
+        work.began += before + spent;
+        work.spent = before;
+        Ok(Some(work))
+    }
+
+    /// Learns how long a full helping of light took.
+    fn lit(&mut self, spent: Duration, budget: Duration) {
+        if self.renderer.lights_waiting() > 0 {
+            let [spent, budget] = [spent, budget].map(|time| 1e3 * time.as_secs_f64());
+            self.lighting.measured(self.lighting.count(), spent, budget);
         }
     }
 
-    fn begin(&mut self, stage: Stage, size: [u32; 2], rays: u32) -> Result<Work> {
+    /// Sets the renderer for a stage; what it is to draw.
+    fn frame(&mut self, stage: Stage, size: [u32; 2]) -> Result<Frame> {
         let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
-        let frame = subject.frame(size)?;
         let quality = match stage {
             Stage::Moving => Quality::DRAFT,
             Stage::Preview => Quality::PREVIEW,
             Stage::Final => Quality::FINAL,
         };
-        self.renderer.quality = Quality { light_resolution: self.light_resolution, ..quality };
+        let Quality { light_resolution, light_cells, .. } = self.light;
+        self.renderer.quality = Quality { light_resolution, light_cells, ..quality };
+        self.renderer.lights_at_once = self.lighting.count();
+        subject.frame(size)
+    }
+
+    fn begin(&mut self, stage: Stage, size: [u32; 2], rays: u32) -> Result<Work> {
+        let frame = self.frame(stage, size)?;
+        let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
         let started = Instant::now();
         let mut encoder = self.encoder();
         let (source, pieces) = match subject.layer {
@@ -357,6 +406,7 @@ impl Canvas {
     }
 
     fn abandon(&mut self) {
+        self.lighting_spent = Duration::ZERO;
         if self.work.take().is_some() && self.renderer.timing.is_some() {
             // Its time stamps would be read as the next picture's.
             self.renderer.timing = Some(Timing::new(&self.gpu));

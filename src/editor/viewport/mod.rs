@@ -70,6 +70,8 @@ pub struct Viewport {
     wish: Option<Kind>,
     operation: Option<Operation>,
     canvas: Canvas,
+    /// The scene's camera when it was seen last.
+    camera: Option<Camera>,
     truth: Option<Truth>,
     /// The truth while it is not shown: its texture is used again.
     put_away: Truth,
@@ -111,6 +113,7 @@ impl Viewport {
             wish: None,
             operation: None,
             canvas: Canvas::new(gpu, render_state.renderer.clone()),
+            camera: None,
             truth: None,
             put_away: Truth::default(),
         }
@@ -124,6 +127,7 @@ impl Viewport {
         if !self.opened {
             self.look_through(document);
         }
+        self.follow_camera(document);
         self.keys(ui, &response, document);
         self.mouse(ui, &response, document);
         self.go_on_gliding(ui);
@@ -289,9 +293,23 @@ impl Viewport {
         self.draw_truth(ui, painter, document.scene().tone(), budget);
     }
 
+    /// A view through the scene's camera stays there when curves move the camera.
+    fn follow_camera(&mut self, document: &Document) {
+        let camera = document.scene().camera();
+        let before = self.camera.replace(camera.clone());
+        let moved = before.filter(|before| *before != camera);
+        if self.glide.is_none() && moved.is_some_and(|before| self.is_at(&before)) {
+            self.view = Navigation { framed: self.view.framed, ..through(document) };
+        }
+    }
+
     /// Whether the view is the scene's camera.
     fn looks_through(&self, scene: &Scene) -> bool {
-        let (camera, view) = (scene.camera(), self.view.camera(self.aspect()));
+        self.is_at(&scene.camera())
+    }
+
+    fn is_at(&self, camera: &Camera) -> bool {
+        let view = self.view.camera(self.aspect());
         let near = 1e-6 * self.view.distance;
         camera.position.distance(view.position) < near && camera.forward().distance(view.forward()) < 1e-6
     }

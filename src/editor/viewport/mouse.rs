@@ -261,7 +261,7 @@ impl Viewport {
 
 /// How far the wind has carried the clouds, m.
 pub(super) fn blown(document: &Document) -> glam::DVec3 {
-    document.scene().wind.velocity * document.scene().time
+    document.scene().drift()
 }
 
 /// Takes all keys for an operation: axes, numbers, the end.

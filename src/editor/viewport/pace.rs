@@ -39,28 +39,27 @@ impl Pace {
     }
 }
 
-/// How many tiles are drawn between two frames of the window.
+/// How much of a thing is done between two frames of the window: tiles drawn, clouds lit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Helping {
-    tiles: f64,
-}
-
-impl Default for Helping {
-    fn default() -> Self {
-        Self { tiles: 8.0 }
-    }
+    count: f64,
 }
 
 impl Helping {
-    /// Learns that `tiles` took `ms` where `budget` was wanted.
-    pub fn measured(&mut self, tiles: u32, ms: f64, budget: f64) {
-        let wanted = f64::from(tiles) * budget / ms.max(0.01);
-        self.tiles = wanted.clamp(0.5 * self.tiles, 4.0 * self.tiles).clamp(1.0, 1e6);
+    /// So many to begin with.
+    pub fn of(count: u32) -> Self {
+        Self { count: count.into() }
     }
 
-    /// Tiles of the next helping.
-    pub fn tiles(&self) -> u32 {
-        self.tiles as u32
+    /// Learns that `count` took `ms` where `budget` was wanted.
+    pub fn measured(&mut self, count: u32, ms: f64, budget: f64) {
+        let wanted = f64::from(count) * budget / ms.max(0.01);
+        self.count = wanted.clamp(0.5 * self.count, 4.0 * self.count).clamp(1.0, 1e6);
+    }
+
+    /// How many the next time.
+    pub fn count(&self) -> u32 {
+        self.count as u32
     }
 }
 
@@ -99,10 +98,10 @@ mod tests {
 
     #[test]
     fn helpings_approach_the_budget() {
-        let mut helping = Helping::default();
+        let mut helping = Helping::of(8);
         for _ in 0..20 {
-            helping.measured(helping.tiles(), 0.4 * f64::from(helping.tiles()), 20.0);
+            helping.measured(helping.count(), 0.4 * f64::from(helping.count()), 20.0);
         }
-        assert_eq!(helping.tiles(), 50);
+        assert_eq!(helping.count(), 50);
     }
 }

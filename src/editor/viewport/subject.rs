@@ -34,12 +34,13 @@ impl Subject {
         if Arc::ptr_eq(&self.scene, &other.scene) {
             return true;
         }
+        // Moments that look the same are the same: a timeline may play on and nothing move.
         let seen = |scene: &Scene| Scene {
             camera: None,
             exposure: 0.0,
             tone_curve: ToneCurve::default(),
             name: String::new(),
-            ..scene.clone()
+            ..scene.at(scene.time).unwrap_or_else(|_| scene.clone())
         };
         seen(&self.scene) == seen(&other.scene)
     }

@@ -20,7 +20,7 @@ pub struct Work {
     pub rays: u32,
     /// Rays across the width and the height.
     pub size: [u32; 2],
-    /// Time that the light took, all of it in one go.
+    /// Time that the light took.
     pub began: Duration,
     /// Time so far.
     pub spent: Duration,

@@ -2,6 +2,7 @@
 
 mod cumulus;
 mod dice;
+mod drift;
 mod grow;
 mod heap;
 mod layer;
@@ -43,11 +44,13 @@ pub enum Preset {
     /// Eight ellipsoids, 400 m wide, with a boundary of 62 m, after Kol (2013); the
     /// seed changes only the noise.
     Kol,
+    /// A loop of ten seconds: five fair-weather cumuli that form, drift and dissolve.
+    Drift,
 }
 
 impl Preset {
     /// All presets, in the order of their documentation.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Humilis,
         Self::Mediocris,
         Self::Congestus,
@@ -57,6 +60,7 @@ impl Preset {
         Self::Glory,
         Self::Sphere,
         Self::Kol,
+        Self::Drift,
     ];
 
     /// The name in kebab-case, as on the command line.
@@ -71,6 +75,7 @@ impl Preset {
             Self::Glory => "glory",
             Self::Sphere => "sphere",
             Self::Kol => "kol",
+            Self::Drift => "drift",
         }
     }
 
@@ -86,6 +91,7 @@ impl Preset {
             Self::Glory => aim_at_glory(&mut scene),
             Self::Stratocumulus => look_along_the_field(&mut scene),
             Self::Sphere => scene.wind = Wind::default(),
+            Self::Drift => drift::set_in_motion(&mut scene),
             _ => {}
         }
         if scene.camera.is_none() {
@@ -105,13 +111,14 @@ impl Preset {
             Self::Glory => vec![layer::sheet(dice)],
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
+            Self::Drift => drift::clouds(dice),
         }
     }
 
     /// Size of the largest billows, metres: about one and a half times the boundary.
     fn noise_scale(self) -> f64 {
         match self {
-            Self::Humilis | Self::Glory | Self::Fractus => 60.0,
+            Self::Humilis | Self::Glory | Self::Fractus | Self::Drift => 60.0,
             Self::Stratocumulus => 110.0,
             Self::Mediocris => 140.0,
             Self::Sphere | Self::Kol => 80.0,

@@ -1,0 +1,94 @@
+//! `nephos export`: files for other programs, one file a kind.
+
+mod camera;
+mod flipbook;
+mod impostor;
+mod shadow;
+mod sixway;
+mod sky;
+mod sprite;
+mod volume;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+
+use super::{picture::above_zero, terminal};
+use crate::{Error, Result, gpu::Gpu, scene::Scene};
+
+/// Write a scene for other programs: volumes, sky maps, sprites, cameras.
+#[derive(Debug, Args)]
+pub struct Export {
+    #[command(subcommand)]
+    kind: Kind,
+}
+
+#[derive(Debug, Subcommand)]
+enum Kind {
+    Volume(volume::Volume),
+    Sky(sky::Sky),
+    Shadow(shadow::Shadow),
+    Sixway(sixway::Sixway),
+    Flipbook(flipbook::Flipbook),
+    Impostor(impostor::Impostor),
+    Camera(camera::Camera),
+}
+
+impl Export {
+    /// Writes what was asked for.
+    ///
+    /// # Errors
+    /// Where the scene, the arguments, the adapter or the file are not good.
+    pub fn run(self) -> Result<()> {
+        match self.kind {
+            Kind::Volume(export) => export.run(),
+            Kind::Sky(export) => export.run(),
+            Kind::Shadow(export) => export.run(),
+            Kind::Sixway(export) => export.run(),
+            Kind::Flipbook(export) => export.run(),
+            Kind::Impostor(export) => export.run(),
+            Kind::Camera(export) => export.run(),
+        }
+    }
+}
+
+/// What every export takes.
+#[derive(Debug, Args)]
+struct Source {
+    /// Scene file; `-` reads the standard input.
+    scene: PathBuf,
+    /// Part of the name of the adapter to use; `nephos info` lists them.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
+impl Source {
+    fn scene(&self) -> Result<Scene> {
+        Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))
+    }
+
+    fn gpu(&self) -> Result<Gpu> {
+        pollster::block_on(Gpu::open(self.adapter.as_deref()))
+    }
+}
+
+/// Does work that tells the share done, under a bar.
+fn shares<T>(message: &'static str, work: impl FnOnce(&mut dyn FnMut(f64)) -> Result<T>) -> Result<T> {
+    let bar = terminal::progress(message);
+    let done = work(&mut |share| bar.set_position((1000.0 * share) as u64));
+    bar.finish_and_clear();
+    done
+}
+
+/// The ending of a file's name, in small letters, where it is one of `endings`.
+fn ending<'a>(path: &Path, endings: &[&'a str]) -> Result<&'a str> {
+    let found = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+    endings.iter().find(|ending| **ending == found).copied().ok_or_else(|| {
+        let list: Vec<_> = endings.iter().map(|ending| format!(".{ending}")).collect();
+        Error::Argument(format!(
+            "`{}` does not end in {}: name one of these, the ending says what is written",
+            path.display(),
+            list.join(" or ")
+        ))
+    })
+}

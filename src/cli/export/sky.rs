@@ -1,0 +1,82 @@
+//! `nephos export sky`: the whole sky around the camera.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use super::{Source, ending, shares};
+use crate::{
+    Error, Result,
+    export::{
+        FACES, Picture, Studio, cube_faces, equirectangular, write_beauty, write_hdr, write_ktx2, write_png,
+    },
+    scene::Scene,
+};
+
+/// Write the sky around the camera's position, clouds, sun and ground, for a game's backdrop or a
+/// film's light dome.
+///
+/// Faces of a cube are called px, nx, py, ny, pz, nz and follow one another in that order, as Direct3D, Vulkan,
+/// Unity and Unreal have them: +x is east, +y up, +z north. An equirectangular map has north in the middle
+/// and east to the right of it.
+#[derive(Debug, Args)]
+pub struct Sky {
+    #[command(flatten)]
+    source: Source,
+    /// Map to write: .exr and .hdr hold linear light, .png is tone-mapped, .ktx2 is a cube map in BC6H
+    /// with mip levels that GPUs take as it is.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// How the sphere is laid out; a .ktx2 file always holds the faces of a cube.
+    #[arg(long, value_enum, default_value_t = Layout::Equirectangular)]
+    layout: Layout,
+    /// Height of the map, pixels: a face's edge for cubes. 1024 for equirectangular maps, 512 for cubes.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(4..=4096))]
+    size: Option<u32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Layout {
+    /// Longitude across, latitude upwards, twice as wide as high.
+    Equirectangular,
+    /// Six files, one a face: NAME.px.EXT to NAME.nz.EXT.
+    Cubemap,
+    /// One file with the six faces of a cube side by side.
+    Strip,
+}
+
+impl Sky {
+    pub(super) fn run(self) -> Result<()> {
+        let kind = ending(&self.output, &["exr", "hdr", "png", "ktx2"])?;
+        let scene = self.source.scene()?;
+        let mut studio = Studio::new(&self.source.gpu()?, 2, true);
+        if kind != "ktx2" && self.layout == Layout::Equirectangular {
+            let map = equirectangular(&mut studio, &scene, self.size.unwrap_or(1024))?;
+            return write(&self.output, kind, &mut studio, &scene, &map);
+        }
+        let size = self.size.unwrap_or(512);
+        if kind == "ktx2" && !size.is_multiple_of(4) {
+            return Err(Error::Argument(format!("--size {size} is no multiple of 4, as BC6H needs it")));
+        }
+        let faces = shares("rendering", |progress| cube_faces(&mut studio, &scene, size, progress))?;
+        match self.layout {
+            _ if kind == "ktx2" => write_ktx2(&self.output, &faces),
+            Layout::Strip => write(&self.output, kind, &mut studio, &scene, &Picture::in_rows(&faces, 6)),
+            _ => FACES.iter().zip(&faces).try_for_each(|((name, ..), face)| {
+                write(&self.output.with_extension(format!("{name}.{kind}")), kind, &mut studio, &scene, face)
+            }),
+        }
+    }
+}
+
+fn write(path: &Path, kind: &str, studio: &mut Studio, scene: &Scene, picture: &Picture) -> Result<()> {
+    match kind {
+        "exr" => write_beauty(path, picture),
+        "hdr" => write_hdr(path, picture),
+        _ => {
+            let gpu = studio.gpu().clone();
+            let bytes = picture.finished(&gpu, studio.renderer(), scene.tone())?;
+            write_png(path, [picture.width as u32, picture.height as u32], &bytes, false)
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! What `flipbook`, `sixway` and `impostor` have in common.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{Source, above_zero, ending};
+use crate::{
+    Error, Result,
+    export::{Course, Picture, Studio, Subject, atlas, write_beauty, write_png},
+    scene::Scene,
+};
+
+/// The cloud and its tiles.
+#[derive(Debug, Args)]
+pub(super) struct Sprite {
+    #[command(flatten)]
+    source: Source,
+    /// File to write, .png or .exr; further maps of it have its name and an underscore.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Name or number, from 0, of the cloud; all clouds where left out.
+    #[arg(long, value_name = "NAME")]
+    cloud: Option<String>,
+    /// Edge of a tile, pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=4096))]
+    pub tile: u32,
+}
+
+/// How the cloud changes from tile to tile.
+#[derive(Debug, Args)]
+pub(super) struct Frames {
+    /// Tiles across the atlas; left out, it is as near to a square as it can be.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    columns: Option<u32>,
+    /// Way of the noise through the cloud, once round a circle: billows form and dissolve, and the last
+    /// frame leads into the first. Left out, it is two of the largest billows; 0 keeps the shape.
+    #[arg(long, value_name = "METRES")]
+    travel: Option<f64>,
+    /// How often the cloud turns about the vertical, in light that stands still.
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    turns: i32,
+    /// Seconds of the scene that go by: its wind carries the cloud through the noise. Frames don't close to a
+    /// loop then, and the noise goes round no circle.
+    #[arg(long, value_name = "S", value_parser = above_zero, conflicts_with = "travel")]
+    seconds: Option<f64>,
+}
+
+/// A sprite's scene, subject and studio.
+pub(super) struct Stage {
+    pub kind: &'static str,
+    pub scene: Scene,
+    pub subject: Subject,
+    pub studio: Studio,
+}
+
+/// Largest edge of an atlas, pixels: what graphics cards take everywhere.
+const MOST: u32 = 8192;
+
+impl Sprite {
+    /// Opens all that is needed for an atlas of `columns` by `rows` tiles.
+    pub fn stage(&self, [columns, rows]: [u32; 2]) -> Result<Stage> {
+        let kind = ending(&self.output, &["png", "exr"])?;
+        let edge = self.tile * columns.max(rows);
+        if edge > MOST {
+            return Err(Error::Argument(format!(
+                "{columns} by {rows} tiles of {} pixels are {edge} pixels across, more than {MOST}: take fewer \
+                 or smaller ones",
+                self.tile
+            )));
+        }
+        let scene = self.source.scene()?;
+        let subject = Subject::new(&scene, self.cloud.as_deref())?;
+        Ok(Stage { kind, subject, studio: Studio::new(&self.source.gpu()?, 2, false), scene })
+    }
+
+    /// The output's name with `map` behind it.
+    pub fn named(&self, map: &str) -> PathBuf {
+        let stem = self.output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        let ending = self.output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        self.output.with_file_name(format!("{stem}_{map}.{ending}"))
+    }
+}
+
+impl Frames {
+    pub fn columns(&self, frames: u32) -> u32 {
+        self.columns.unwrap_or_else(|| atlas::columns(frames)).min(frames)
+    }
+
+    pub fn course(&self, scene: &Scene) -> Course {
+        let circle = if self.seconds.is_some() { 0.0 } else { 2.0 * scene.noise.scale };
+        let travel = self.travel.unwrap_or(circle);
+        Course { travel, turns: self.turns, seconds: self.seconds.unwrap_or(0.0) }
+    }
+}
+
+impl Stage {
+    /// Writes light: tone-mapped where the file is a PNG.
+    pub fn write_light(&mut self, path: &Path, picture: &Picture) -> Result<()> {
+        if self.kind == "exr" {
+            return write_beauty(path, picture);
+        }
+        let gpu = self.studio.gpu().clone();
+        let bytes = picture.finished(&gpu, self.studio.renderer(), self.scene.tone())?;
+        write_png(path, size(picture), &bytes, true)
+    }
+
+    /// Writes shares from 0 to 1, as they are in both kinds of files.
+    pub fn write_shares(&self, path: &Path, picture: &Picture) -> Result<()> {
+        match self.kind {
+            "exr" => write_beauty(path, picture),
+            _ => write_png(path, size(picture), &atlas::bytes(picture), true),
+        }
+    }
+}
+
+pub(super) fn size(picture: &Picture) -> [u32; 2] {
+    [picture.width as u32, picture.height as u32]
+}

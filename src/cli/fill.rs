@@ -1,0 +1,87 @@
+//! `nephos fill`: a cloud in the shape of a mesh.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::DVec3;
+
+use super::{picture::above_zero, terminal};
+use crate::{
+    Error, Result,
+    import::{Inside, fill, read_mesh},
+    scene::{Cloud, Edge, Ellipsoid, Noise, Scene},
+};
+
+/// Make a cloud in the shape of a mesh: ellipsoids that fill it.
+///
+/// The mesh must be closed; parts may overlap. Metres and Y up are taken for granted, as in glTF.
+/// Ellipsoids are a little larger than the mesh, by half the thickness of the edge: noise pushes the
+/// cloud's boundary inwards by as much on the average.
+#[derive(Debug, Args)]
+pub struct Fill {
+    /// Mesh: .obj, .gltf or .glb.
+    mesh: PathBuf,
+    /// Scene file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Most ellipsoids.
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    count: u32,
+    /// Multiplies the mesh's coordinates.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero)]
+    scale: f64,
+    /// Where the mesh's origin shall be, metres.
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
+    at: Option<Vec<f64>>,
+    /// Thickness of the edge that noise works on, as a share of an ellipsoid's smallest radius.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
+    edge: f64,
+    /// Any whole number: other seeds fill the mesh another way.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Points along the longest edge of the mesh's box at which it is asked what is inside.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=256))]
+    points: u32,
+}
+
+impl Fill {
+    /// Writes the scene.
+    ///
+    /// # Errors
+    /// Where the mesh, the arguments or the file are not good.
+    pub fn run(self) -> Result<()> {
+        let mut mesh = read_mesh(&self.mesh)?;
+        let origin = self.at.as_deref().map_or(DVec3::ZERO, DVec3::from_slice);
+        mesh.positions.iter_mut().for_each(|p| *p = self.scale * *p + origin);
+        let filled = fill(&Inside::new(&mesh, self.points), self.count as usize, self.seed)?;
+        let scene = self.scene(&filled.ellipsoids);
+        scene.validate().map_err(|error| {
+            Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
+        })?;
+        scene.save(&self.output)?;
+        terminal::print(&format!(
+            "{}: {} ellipsoids, {:.0} % overlap with the mesh\n",
+            self.output.display(),
+            filled.ellipsoids.len(),
+            100.0 * filled.overlap
+        ))
+    }
+
+    fn scene(&self, ellipsoids: &[Ellipsoid]) -> Scene {
+        let edged = |e: &Ellipsoid| {
+            let boundary = self.edge * e.radii.min_element();
+            let edge = Edge { boundary, ..Edge::default() };
+            Ellipsoid { radii: e.radii + 0.5 * boundary, edge: Some(edge), ..e.clone() }
+        };
+        let ellipsoids: Vec<_> = ellipsoids.iter().map(edged).collect();
+        let mean = ellipsoids.iter().filter_map(|e| Some(e.edge.as_ref()?.boundary)).sum::<f64>()
+            / ellipsoids.len().max(1) as f64;
+        let name = self.mesh.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        Scene {
+            noise: Noise { scale: 2.0 * mean, ..Noise::default() },
+            clouds: vec![Cloud { name: name.clone(), ellipsoids, ..Cloud::default() }],
+            name,
+            ..Scene::default()
+        }
+    }
+}

@@ -1,0 +1,332 @@
+//! How pictures are drawn and written: what `nephos render` and `nephos sequence` share.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+
+use crate::{
+    Error, Result,
+    export::{self, Notes, Picture},
+    gpu::{Gpu, Timing},
+    reference::Estimate,
+    render::{Frame, Quality, Renderer, SlabTable, Target, Transport},
+    scene::Scene,
+    tables,
+};
+
+/// What a picture is like.
+#[derive(Debug, Clone, Args)]
+pub struct PictureOptions {
+    /// Width, pixels.
+    #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub(super) width: u32,
+    /// Height, pixels.
+    #[arg(long, default_value_t = 540, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub(super) height: u32,
+    /// How much work to put in.
+    #[arg(long, value_enum, default_value_t = QualityName::Final)]
+    quality: QualityName,
+    /// How light inside clouds is found.
+    #[arg(long, value_enum, default_value_t = TransportName::Moments)]
+    transport: TransportName,
+    /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
+    #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
+    slab_table: SlabTableName,
+    /// Samples of each pixel, for `--transport path`: 96 where nothing else ends the picture.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
+    pub(super) spp: Option<u32>,
+    /// Relative noise that is low enough, for `--transport path`: 0.02 is 2 %.
+    #[arg(long, value_name = "SHARE", value_parser = above_zero)]
+    pub(super) noise: Option<f64>,
+    /// Time after which the picture is written as it is, for `--transport path`.
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    pub(super) seconds: Option<f64>,
+    /// Rays across each pixel, for smooth edges: 2 in final quality, else 1.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
+    supersample: Option<u32>,
+    /// Write the layers that the beauty is made of beside it (EXR only).
+    #[arg(long)]
+    pub(super) layers: bool,
+    /// Leave the sky out: clouds on a transparent ground.
+    #[arg(long)]
+    pub(super) transparent: bool,
+    /// Part of the name of the adapter to use; `nephos info` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum QualityName {
+    Draft,
+    Preview,
+    Final,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum TransportName {
+    /// A cloud that glows evenly and dims what is behind, as Max (1994): no shadows.
+    Emitter,
+    /// Single scattering only, and the light of the sky.
+    Single,
+    /// Also two octaves of it, as games and films do (Wrenninge 2013, Hillaire 2016).
+    Octaves,
+    /// Also multiple scattering, in closed form.
+    DeltaEddington,
+    /// Multiple scattering from tables of slabs, set of orders by set.
+    Slab,
+    /// One slab for all orders, at one level of the sun maps, as Kol (2013).
+    SlabKol,
+    /// A slab for each set, found by iteration, as Bouthors (2008): slow.
+    SlabBouthors,
+    /// Moments of the light in the cloud, solved for on a grid.
+    Moments,
+    /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
+    Path,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum SlabTableName {
+    /// Bouthors' functions, fitted.
+    Functions,
+    /// A table of their light itself.
+    Direct,
+}
+
+/// A number above zero.
+pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
+        _ => Err("give a number above 0".to_owned()),
+    }
+}
+
+/// What draws: it outlives pictures, and what one leaves the next need not do again.
+pub(super) struct Studio {
+    pub gpu: Gpu,
+    pub renderer: Renderer,
+}
+
+/// One picture to be drawn into a file.
+pub(super) struct Job<'a> {
+    /// What it shows, at its own time.
+    pub scene: &'a Scene,
+    pub output: &'a Path,
+    /// Whether a path traced picture goes on with what `output` holds.
+    pub resume: bool,
+    /// Whether a path traced picture is written on the way, too.
+    pub keep: bool,
+    /// What the file tells beside the pixels.
+    pub notes: Notes,
+}
+
+/// A drawn picture, and what path tracing knows of it.
+pub(super) struct Drawn {
+    pub picture: Picture,
+    pub estimate: Option<Estimate>,
+}
+
+impl Studio {
+    /// Whether passes are timed and work is counted from now on.
+    pub fn count(&mut self, on: bool) {
+        self.renderer.counting = on;
+        self.renderer.timing = on.then(|| Timing::new(&self.gpu));
+    }
+}
+
+impl PictureOptions {
+    /// Whether such a picture can be drawn into a file of this format.
+    ///
+    /// # Errors
+    /// Where words do not go together, or a table that is needed is damaged.
+    pub fn check(&self, format: Format) -> Result<()> {
+        let refuse = |problem: &str| Err(Error::Argument(problem.to_owned()));
+        if self.layers && self.traces_paths() {
+            return refuse("--layers and --transport path don't go together: leave one out");
+        }
+        if self.layers && format != Format::Exr {
+            return refuse("--layers needs an output that ends in .exr");
+        }
+        let words = [("--noise", self.noise.is_some()), ("--seconds", self.seconds.is_some())];
+        if let Some((word, _)) = words.into_iter().find(|(_, given)| *given && !self.traces_paths()) {
+            return refuse(&format!("{word} is for --transport path: add that or leave it out"));
+        }
+        // A damaged table is told before anything is drawn.
+        tables::slab_moments().map(drop)
+    }
+
+    /// Opens the adapter.
+    ///
+    /// # Errors
+    /// [`Error::Adapter`] where there is none of that name.
+    pub fn studio(&self) -> Result<Studio> {
+        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        Ok(Studio { renderer: self.renderer(&gpu), gpu })
+    }
+
+    /// A scene at its own time, with as many pixels as rays are wanted.
+    ///
+    /// # Errors
+    /// Where the scene is not good.
+    pub fn frame(&self, scene: &Scene) -> Result<Frame> {
+        let n = self.rays_across();
+        Frame::new(scene, [n * self.width, n * self.height])
+    }
+
+    fn renderer(&self, gpu: &Gpu) -> Renderer {
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
+        renderer.quality = match self.quality {
+            QualityName::Draft => Quality::DRAFT,
+            QualityName::Preview => Quality::PREVIEW,
+            QualityName::Final => Quality::FINAL,
+        };
+        renderer.transport = match self.transport {
+            TransportName::Emitter => Transport::Emitter,
+            TransportName::Single => Transport::Single,
+            TransportName::Octaves => Transport::Octaves,
+            TransportName::SlabKol => Transport::SlabKol,
+            TransportName::SlabBouthors => Transport::SlabBouthors,
+            TransportName::DeltaEddington => Transport::DeltaEddington,
+            TransportName::Slab => Transport::Slab,
+            // What is drawn beside a path traced picture has no clouds.
+            TransportName::Moments | TransportName::Path => Transport::Moments,
+        };
+        renderer.slab_table = match self.slab_table {
+            SlabTableName::Functions => SlabTable::Functions,
+            SlabTableName::Direct => SlabTable::Direct,
+        };
+        renderer
+    }
+
+    /// Draws a picture and writes it, whole or not at all.
+    ///
+    /// # Errors
+    /// Where the scene, the device or the file are not good.
+    pub fn draw_to_file(
+        &self,
+        studio: &mut Studio,
+        job: &Job<'_>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Option<Estimate>> {
+        if self.layers {
+            let frame = self.frame(job.scene)?;
+            let layers = studio.renderer.render_layers(&studio.gpu, &frame, progress)?;
+            let n = self.rays_across() as usize;
+            export::write_layers_noted(job.output, &studio.gpu, &layers, self.transparent, n, &job.notes)?;
+            return Ok(None);
+        }
+        let drawn = self.draw(studio, job, progress)?;
+        self.write(studio, job, &drawn)?;
+        Ok(drawn.estimate)
+    }
+
+    /// Draws a picture; writes nothing but what a path traced one keeps on the way.
+    ///
+    /// # Errors
+    /// Where the scene or the device are not good.
+    pub fn draw(&self, studio: &mut Studio, job: &Job<'_>, progress: &mut dyn FnMut(f64)) -> Result<Drawn> {
+        if self.traces_paths() {
+            return self.trace(studio, job, progress);
+        }
+        let frame = self.frame(job.scene)?;
+        let linear = studio.renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let view = linear.create_view(&Default::default());
+        let target = Target { color: &view, depth: None, sky: !self.transparent };
+        studio.renderer.render_in_pieces(&studio.gpu, &frame, &target, progress)?;
+        let picture = Picture::read(&studio.gpu, &linear)?.reduced(self.rays_across() as usize);
+        Ok(Drawn { picture, estimate: None })
+    }
+
+    /// Writes a drawn picture, whole or not at all.
+    ///
+    /// # Errors
+    /// Where the device or the file are not good.
+    pub fn write(&self, studio: &mut Studio, job: &Job<'_>, drawn: &Drawn) -> Result<()> {
+        let picture = &drawn.picture;
+        match (Format::of(job.output)?, &drawn.estimate) {
+            (Format::Exr, Some(estimate)) => {
+                export::write_estimate_noted(job.output, picture, estimate, job.scene, &job.notes)
+            }
+            (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &job.notes),
+            (Format::Png, _) => {
+                let bytes = finished(studio, picture, job.scene)?;
+                let size = [self.width, self.height];
+                export::write_png_noted(job.output, size, &bytes, self.transparent, &job.notes)
+            }
+        }
+    }
+
+    /// As asked for; by default what the quality wants and 8192 pixels allow.
+    fn rays_across(&self) -> u32 {
+        let most = (8192 / self.width.max(self.height)).max(1);
+        match (self.supersample, self.quality) {
+            _ if self.traces_paths() => 1,
+            (Some(n), _) => n.min(most),
+            (None, QualityName::Final) => most.min(2),
+            (None, _) => 1,
+        }
+    }
+
+    pub(super) fn traces_paths(&self) -> bool {
+        matches!(self.transport, TransportName::Path)
+    }
+}
+
+/// A picture as screens show it, RGBA of 8 bits; the tone is that of the scene at its own time.
+///
+/// # Errors
+/// Where the device fails.
+pub(super) fn finished(studio: &mut Studio, picture: &Picture, scene: &Scene) -> Result<Vec<u8>> {
+    picture.finished(&studio.gpu, &mut studio.renderer, scene.posed(scene.time).tone())
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    pub(super) fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        match extension.as_str() {
+            "png" => Ok(Self::Png),
+            "exr" => Ok(Self::Exr),
+            _ => Err(Error::Argument(format!(
+                "`{}` ends in neither .png nor .exr: name one of these, the ending says what is written",
+                path.display()
+            ))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::scene::Preset;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        picture: PictureOptions,
+    }
+
+    #[test]
+    fn a_device_that_is_lost_ends_in_a_sentence_and_leaves_the_file_alone() {
+        let words = ["", "--width", "16", "--height", "9", "--quality", "draft"];
+        let options = Line::try_parse_from(words).unwrap().picture;
+        let mut studio = options.studio().unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("frame.0001.png");
+        let scene = Preset::Sphere.scene(1);
+        let job = Job { scene: &scene, output: &output, resume: false, keep: false, notes: Notes::default() };
+        options.draw_to_file(&mut studio, &job, &mut |_| {}).unwrap();
+        let whole = std::fs::read(&output).unwrap();
+        studio.gpu.device.destroy();
+        let error = options.draw_to_file(&mut studio, &job, &mut |_| {}).unwrap_err();
+        assert!(matches!(error, Error::Gpu { .. }), "{error}");
+        assert_eq!(std::fs::read(&output).unwrap(), whole);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,328 @@
+//! `nephos sequence`: the pictures of a scene over time, as files or as a movie.
+//!
+//! A frame's file says what it shows: a fingerprint of the moment and of how it was drawn. A
+//! frame that is there, whole and of the same fingerprint is not drawn again, whoever drew it:
+//! that is how a sequence goes on after a crash and how several machines share one.
+
+mod frames;
+mod movie;
+mod stamp;
+
+use std::{
+    fs,
+    io::Write,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use clap::Args;
+use serde::Serialize;
+
+use self::{
+    frames::{Frames, Pattern, Shard},
+    movie::{Container, Movie},
+    stamp::Stamp,
+};
+use super::{
+    picture::{self, Format, Job, PictureOptions, Studio, above_zero},
+    terminal,
+};
+use crate::{
+    Error, Result,
+    export::{self, Notes},
+    files::write_whole,
+    gpu,
+    scene::{Scene, Timeline},
+};
+
+/// Render a scene over time: numbered pictures, or a movie.
+///
+/// Frame 1 is at 0 seconds. Frames that are there already, whole and of the same scene and options,
+/// are left alone: after a crash the same command goes on where it ended.
+#[derive(Debug, Args)]
+pub struct Sequence {
+    /// Scene file; `-` reads the standard input.
+    scene: PathBuf,
+    /// Pictures to write, such as "out/frame.####.exr" or .png: the frame's number stands for the
+    /// hashes. Or one movie, .mp4 or .webm, through ffmpeg.
+    #[arg(short, long, value_name = "FILES")]
+    output: PathBuf,
+    /// Frames, such as 1-240, 1-240:2 or 7,12-20; all of the timeline where left out.
+    #[arg(long, value_name = "RANGE")]
+    frames: Option<Frames>,
+    /// Frames per second; the timeline's where left out, or else 24.
+    #[arg(long, value_name = "N", value_parser = above_zero)]
+    fps: Option<f64>,
+    /// Takes the frames of a movie from these PNG files, such as "out/frame.####.png", where they are whole
+    /// and of the same scene and options; the others are drawn.
+    #[arg(long, value_name = "FILES")]
+    from: Option<PathBuf>,
+    /// Draws only every n-th frame, from the i-th on: machine i of n.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    picture: PictureOptions,
+    /// Write what is told as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` tells.
+#[derive(Debug, Default, Serialize)]
+struct Report {
+    frames: usize,
+    /// Frames that were drawn, those that were there already, and those that look as the one before.
+    drawn: usize,
+    found: usize,
+    repeated: usize,
+    seconds: f64,
+    /// Volumes and tables of light that were made for all frames together.
+    light_updates: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<gpu::AdapterSummary>,
+}
+
+/// A frame to be drawn.
+#[derive(Debug, Clone)]
+struct Still {
+    number: u32,
+    time: f64,
+    stamp: Stamp,
+}
+
+impl Sequence {
+    /// Renders.
+    ///
+    /// # Errors
+    /// Where the scene, the arguments, the adapter or a file are not good. Frames that were written
+    /// before are whole.
+    pub fn run(self) -> Result<()> {
+        let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        let fps = self.set_fps(&mut scene).map_err(|error| error.in_file(&self.scene))?;
+        let stills = self.stills(&scene, fps)?;
+        let started = Instant::now();
+        let mut report = match Container::of(&self.output) {
+            Some(container) => self.movie(&scene, &stills, fps, container)?,
+            None => self.pictures(&scene, &stills)?,
+        };
+        report.frames = stills.len();
+        report.seconds = started.elapsed().as_secs_f64();
+        if self.json { terminal::print_json(&report) } else { terminal::print(&self.told(&report)) }
+    }
+
+    /// Frames per second, in the scene's timeline, too.
+    fn set_fps(&self, scene: &mut Scene) -> Result<f64> {
+        match (&mut scene.timeline, self.fps) {
+            (Some(timeline), Some(fps)) => {
+                timeline.fps = fps;
+                scene.validate()?;
+                Ok(fps)
+            }
+            (Some(timeline), None) => Ok(timeline.fps),
+            (None, fps) => Ok(fps.unwrap_or(Timeline::default().fps)),
+        }
+    }
+
+    /// The frames of this machine. Every moment is looked at before the first is drawn: what is
+    /// wrong at the end is told at the beginning.
+    fn stills(&self, scene: &Scene, fps: f64) -> Result<Vec<Still>> {
+        let all = match (&self.frames, &scene.timeline) {
+            (Some(frames), _) => frames.numbers(),
+            (None, Some(timeline)) => (1..=timeline.frames()).collect(),
+            (None, None) => {
+                return Err(Error::Argument(format!(
+                    "`{}` has no timeline that says how long it is: say which frames, such as --frames 1-240",
+                    self.scene.display()
+                )));
+            }
+        };
+        let own = all.into_iter().enumerate().filter(|(i, _)| self.shard.is_none_or(|shard| shard.has(*i)));
+        own.map(|(_, number)| {
+            let index = i64::from(number) - 1;
+            let time = match &scene.timeline {
+                Some(timeline) => timeline.time_of(index),
+                None => index as f64 / fps,
+            };
+            let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
+            Ok(Still { number, time, stamp: Stamp::new(&moment, &self.picture) })
+        })
+        .collect()
+    }
+
+    fn pictures(&self, scene: &Scene, stills: &[Still]) -> Result<Report> {
+        if self.from.is_some() {
+            return Err(Error::Argument("--from is for movies: name one, .mp4 or .webm".to_owned()));
+        }
+        let pattern = Pattern::of(&self.output)?;
+        self.picture.check(Format::of(&self.output)?)?;
+        make_folder(&self.output)?;
+        let missing: Vec<&Still> =
+            stills.iter().filter(|still| !still.stamp.is_on(&pattern.file(still.number))).collect();
+        let mut report = Report { found: stills.len() - missing.len(), ..Report::default() };
+        if missing.is_empty() {
+            return Ok(report);
+        }
+        let mut studio = self.picture.studio()?;
+        let mut last: Option<(&Stamp, PathBuf)> = None;
+        let bar = terminal::progress("frames");
+        for (i, still) in missing.iter().enumerate() {
+            let mut progress = |share: f64| {
+                bar.set_position((1000.0 * (i as f64 + share) / missing.len() as f64) as u64);
+            };
+            let file = pattern.file(still.number);
+            match &last {
+                // Another machine may have been here since.
+                _ if still.stamp.is_on(&file) => report.found += 1,
+                Some((stamp, same)) if **stamp == still.stamp => {
+                    copy(same, &file)?;
+                    report.repeated += 1;
+                }
+                _ => {
+                    self.draw_to(&mut studio, scene, still, &file, &mut progress)?;
+                    report.drawn += 1;
+                }
+            }
+            last = Some((&still.stamp, file));
+        }
+        bar.finish_and_clear();
+        report.tell_of(&studio);
+        Ok(report)
+    }
+
+    fn draw_to(
+        &self,
+        studio: &mut Studio,
+        scene: &Scene,
+        still: &Still,
+        file: &Path,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let scene = Scene { time: still.time, ..scene.clone() };
+        // What a path traced frame is on the way is no frame: it would pass for one.
+        let job = Job { scene: &scene, output: file, resume: false, keep: false, notes: still.stamp.notes() };
+        self.picture.draw_to_file(studio, &job, progress).map(drop)
+    }
+
+    fn movie(&self, scene: &Scene, stills: &[Still], fps: f64, container: Container) -> Result<Report> {
+        for (word, given) in [
+            ("--layers", self.picture.layers),
+            ("--transparent", self.picture.transparent),
+            ("--shard", self.shard.is_some()),
+        ] {
+            if given {
+                return Err(Error::Argument(format!(
+                    "{word} is not for movies: write pictures, such as frame.####.exr"
+                )));
+            }
+        }
+        self.picture.check(Format::Png)?;
+        let from = self.from.as_deref().map(drawn_before).transpose()?;
+        make_folder(&self.output)?;
+        let size = [self.picture.width, self.picture.height];
+        let mut movie = Movie::begin(&self.output, container, size, fps)?;
+        let (mut report, mut last) = (Report::default(), None::<(Stamp, Vec<u8>)>);
+        // Who finds all frames needs no adapter.
+        let mut studio = None;
+        let bar = terminal::progress("frames");
+        for (i, still) in stills.iter().enumerate() {
+            let mut progress = |share: f64| {
+                bar.set_position((1000.0 * (i as f64 + share) / stills.len() as f64) as u64);
+            };
+            let file = from.as_ref().map(|pattern| pattern.file(still.number));
+            let bytes = match last.take().filter(|(stamp, _)| *stamp == still.stamp) {
+                Some((_, bytes)) => {
+                    report.repeated += 1;
+                    bytes
+                }
+                None => match file.filter(|file| still.stamp.is_on(file)) {
+                    Some(file) => {
+                        report.found += 1;
+                        export::read_rgb(&file)?
+                    }
+                    None => {
+                        report.drawn += 1;
+                        let studio = match &mut studio {
+                            Some(studio) => studio,
+                            none => none.insert(self.picture.studio()?),
+                        };
+                        self.bytes(studio, scene, still, &mut progress)?
+                    }
+                },
+            };
+            movie.add(&bytes)?;
+            progress(1.0);
+            last = Some((still.stamp.clone(), bytes));
+        }
+        movie.finish()?;
+        bar.finish_and_clear();
+        studio.iter().for_each(|studio| report.tell_of(studio));
+        Ok(report)
+    }
+
+    /// A frame as screens show it, RGB of 8 bits.
+    fn bytes(
+        &self,
+        studio: &mut Studio,
+        scene: &Scene,
+        still: &Still,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Vec<u8>> {
+        let scene = Scene { time: still.time, ..scene.clone() };
+        let job =
+            Job { scene: &scene, output: &self.output, resume: false, keep: false, notes: Notes::default() };
+        let drawn = self.picture.draw(studio, &job, progress)?;
+        Ok(export::opaque_of(&picture::finished(studio, &drawn.picture, &scene)?))
+    }
+
+    fn told(&self, report: &Report) -> String {
+        let mut text = format!(
+            "{}: {} frames in {:.1} s: {} drawn",
+            self.output.display(),
+            report.frames,
+            report.seconds,
+            report.drawn
+        );
+        for (count, what) in [(report.found, "there already"), (report.repeated, "as the one before")] {
+            if count > 0 {
+                text += &format!(", {count} {what}");
+            }
+        }
+        if let Some(adapter) = &report.adapter {
+            text += &format!(" on {}", adapter.name);
+        }
+        text + "\n"
+    }
+}
+
+impl Report {
+    fn tell_of(&mut self, studio: &Studio) {
+        self.light_updates = studio.renderer.light_updates();
+        self.adapter = Some(studio.gpu.adapter.clone());
+    }
+}
+
+/// The pictures that a movie is made of.
+fn drawn_before(files: &Path) -> Result<Pattern> {
+    match Format::of(files)? {
+        Format::Png => Pattern::of(files),
+        Format::Exr => Err(Error::Argument(format!(
+            "--from `{}`: movies are made of .png files, which are toned as the movie is",
+            files.display()
+        ))),
+    }
+}
+
+fn make_folder(output: &Path) -> Result<()> {
+    let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) else { return Ok(()) };
+    fs::create_dir_all(folder).map_err(|source| Error::File {
+        action: "create",
+        path: folder.to_owned(),
+        source,
+    })
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    let bytes =
+        fs::read(from).map_err(|source| Error::File { action: "read", path: from.to_owned(), source })?;
+    write_whole(to, |file| file.write_all(&bytes))
+}

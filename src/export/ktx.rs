@@ -1,0 +1,115 @@
+//! Cube maps as KTX 2 with BC6H: half floats of which GPUs take one byte a pixel as they are.
+
+use std::{io::Write, path::Path};
+
+use block_compression::{BC6HSettings, CompressionVariant, encode::compress_rgba16};
+use half::f16;
+use ktx2::{Format, Header, Index, LevelIndex, dfd};
+use rayon::prelude::*;
+
+use super::Picture;
+use crate::{Error, Result, files::write_whole};
+
+/// Edge of a compressed block, pixels.
+const BLOCK: usize = 4;
+/// What is told beside the pixels: the first row is on top, the first column on the left.
+const KEYS: [(&str, &str); 2] =
+    [("KTXorientation", "rd"), ("KTXwriter", concat!("nephos ", env!("CARGO_PKG_VERSION")))];
+
+/// Writes six square faces in the order +X, -X, +Y, -Y, +Z, -Z with their mip levels down to one block.
+///
+/// # Errors
+/// [`Error::Argument`] where the edges of the faces are no multiple of 4, [`Error::File`] when the file can't
+/// be written.
+pub fn write_ktx2(path: &Path, faces: &[Picture]) -> Result<()> {
+    let size = faces.first().map_or(0, |face| face.width);
+    if size == 0 || !size.is_multiple_of(BLOCK) {
+        return Err(Error::Argument(format!(
+            "faces of {size} pixels can't be compressed in blocks of 4 by 4: take a multiple of 4, \
+             best a power of two"
+        )));
+    }
+    let levels: Vec<Vec<u8>> =
+        mips(faces).iter().map(|faces| faces.par_iter().flat_map(compressed).collect()).collect();
+    let failed = |error: dfd::BuildError| Error::Argument(format!("KTX 2 does not know BC6H: {error:?}"));
+    let (basic, type_size) = dfd::Basic::from_format(Format::BC6H_UFLOAT_BLOCK).map_err(failed)?;
+    let described = described(basic);
+    let keys = keys();
+    let dfd_at = Header::LENGTH + levels.len() * LevelIndex::LENGTH;
+    let keys_at = dfd_at + described.len();
+    let begin = (keys_at + keys.len()).next_multiple_of(16);
+    let header = Header {
+        format: Some(Format::BC6H_UFLOAT_BLOCK),
+        type_size,
+        pixel_width: size as u32,
+        pixel_height: size as u32,
+        pixel_depth: 0,
+        layer_count: 0,
+        face_count: faces.len() as u32,
+        level_count: levels.len() as u32,
+        supercompression_scheme: None,
+        index: Index {
+            dfd_byte_offset: dfd_at as u32,
+            dfd_byte_length: described.len() as u32,
+            kvd_byte_offset: keys_at as u32,
+            kvd_byte_length: keys.len() as u32,
+            sgd_byte_offset: 0,
+            sgd_byte_length: 0,
+        },
+    };
+    write_whole(path, |file| {
+        file.write_all(&header.as_bytes())?;
+        for (i, level) in levels.iter().enumerate() {
+            // The smallest level comes first, so that a stream can show something soon.
+            let byte_offset = begin + levels[i + 1..].iter().map(Vec::len).sum::<usize>();
+            let length = level.len() as u64;
+            let index = LevelIndex {
+                byte_offset: byte_offset as u64,
+                byte_length: length,
+                uncompressed_byte_length: length,
+            };
+            file.write_all(&index.as_bytes())?;
+        }
+        file.write_all(&described)?;
+        file.write_all(&keys)?;
+        file.write_all(&vec![0; begin - keys_at - keys.len()])?;
+        levels.iter().rev().try_for_each(|level| file.write_all(level))
+    })
+}
+
+/// Each level's faces, the largest first, as long as blocks fit into them.
+fn mips(faces: &[Picture]) -> Vec<Vec<Picture>> {
+    let mut levels = vec![faces.to_vec()];
+    while let Some(last) = levels.last()
+        && last[0].width.is_multiple_of(2 * BLOCK)
+    {
+        levels.push(last.iter().map(|face| face.reduced(2)).collect());
+    }
+    levels
+}
+
+fn compressed(face: &Picture) -> Vec<u8> {
+    let halves: Vec<f16> =
+        face.pixels.iter().flatten().map(|c| f16::from_f32(c.clamp(0.0, 65504.0))).collect();
+    let size = face.width as u32;
+    let variant = CompressionVariant::BC6H(BC6HSettings::basic());
+    let mut blocks = vec![0; variant.blocks_byte_size(size, size)];
+    compress_rgba16(variant, &halves, &mut blocks, size, size, 4 * size);
+    blocks
+}
+
+fn described(basic: dfd::Basic) -> Vec<u8> {
+    let block = dfd::Block::Basic(basic).to_vec();
+    [((block.len() + 4) as u32).to_le_bytes().to_vec(), block].concat()
+}
+
+fn keys() -> Vec<u8> {
+    let mut out = Vec::new();
+    for (key, value) in KEYS {
+        let entry = format!("{key}\0{value}\0");
+        out.extend((entry.len() as u32).to_le_bytes());
+        out.extend(entry.as_bytes());
+        out.resize(out.len().next_multiple_of(4), 0);
+    }
+    out
+}

@@ -1,0 +1,130 @@
+//! Pictures that exports are made of.
+
+use glam::DVec3;
+
+use super::Picture;
+use crate::{
+    Error, Result,
+    gpu::Gpu,
+    render::{Frame, Layers, Quality, Renderer, Target, Transport},
+    scene::Scene,
+};
+
+/// Largest edge of a texture.
+const MOST: u32 = 8192;
+
+/// Takes pictures in final quality, each pixel the mean of some rays.
+pub struct Studio {
+    gpu: Gpu,
+    renderer: Renderer,
+    rays: u32,
+}
+
+/// A cloud on its own, layer by layer.
+pub struct Shot {
+    /// Its light, multiplied by alpha.
+    pub color: Picture,
+    /// Its mean distance in metres times alpha, in the first channel; alpha in the last.
+    pub distance: Picture,
+    /// Which way it faces in the world, times alpha.
+    pub normal: Picture,
+}
+
+impl Studio {
+    /// A studio that takes `rays` by `rays` rays a pixel. Without air in front of the clouds they
+    /// look the same from any distance, as sprites must.
+    pub fn new(gpu: &Gpu, rays: u32, air_before_clouds: bool) -> Self {
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
+        renderer.quality = Quality::FINAL;
+        renderer.aerial = air_before_clouds;
+        Self { gpu: gpu.clone(), renderer, rays }
+    }
+
+    /// The device that it works on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Its renderer, for finishing pictures and for another transport.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
+    /// A picture of `scene` by its own camera, before its sky or before nothing.
+    ///
+    /// # Errors
+    /// Where the scene is not valid or the device fails.
+    pub fn picture(&mut self, scene: &Scene, size: [u32; 2], sky: bool) -> Result<Picture> {
+        let rays = self.rays_for(size);
+        self.draw(&Frame::new(scene, size.map(|n| rays * n))?, rays, sky)
+    }
+
+    /// Share of the sun's light that clouds let through to points of a horizontal square of
+    /// `extent` metres around `center`, from 0 to 1: north on top, east to the right, row by row.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] where the sun does not stand above the horizon; or where the
+    /// scene is not valid or the device fails.
+    pub fn sunlight_on(&mut self, scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Vec<f32>> {
+        let rays = self.rays_for([size; 2]);
+        let frame = Frame::towards_sun(scene, center, extent, rays * size)?;
+        // Opacity is the same in every model of transport: this is the least work.
+        let transport = std::mem::replace(&mut self.renderer.transport, Transport::Single);
+        let picture = self.draw(&frame, rays, false);
+        self.renderer.transport = transport;
+        Ok(picture?.pixels.iter().map(|pixel| 1.0 - pixel[3]).collect())
+    }
+
+    /// Middle and edge, m, of the smallest square at `altitude` that holds the shadows of all clouds,
+    /// and a little more.
+    ///
+    /// # Errors
+    /// [`crate::Error::Argument`] where there is no cloud or no sun above the horizon; or where the scene is
+    /// not valid.
+    pub fn shadows_of(&self, scene: &Scene, altitude: f64) -> Result<(DVec3, f64)> {
+        let frame = Frame::towards_sun(scene, DVec3::ZERO, 1.0, 1)?;
+        let (low, high) = frame.scene.bounds().ok_or_else(|| {
+            Error::Argument("the scene has no cloud that is not hidden: nothing casts a shadow".to_owned())
+        })?;
+        let at = |y: f64| -frame.to_sun * ((y - altitude) / frame.to_sun.y);
+        let corners = [low, high].map(|corner| [at(low.y), at(high.y)].map(|shift| corner + shift));
+        let [least, most] = [DVec3::min, DVec3::max].map(|pick| corners.into_iter().flatten().reduce(pick));
+        let (least, most) = (least.unwrap_or_default(), most.unwrap_or_default());
+        let middle = 0.5 * (least + most);
+        let extent = 1.02 * (most - least).x.max((most - least).z);
+        Ok((DVec3::new(middle.x, altitude, middle.z), extent))
+    }
+
+    /// Clouds alone by the scene's own camera, with their distance and the way that they face.
+    ///
+    /// # Errors
+    /// Where the scene is not valid or the device fails.
+    pub fn shot(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Shot> {
+        let rays = self.rays_for(size);
+        let frame = Frame::new(scene, size.map(|n| rays * n))?;
+        let layers = self.renderer.render_layers(&self.gpu, &frame, &mut |_| ())?;
+        let read = |texture| Ok(Picture::read(&self.gpu, texture)?.reduced(rays as usize));
+        let Layers { single, multiple, air, distance, normal, .. } = &layers;
+        let mut color = read(single)?;
+        for layer in [read(multiple)?, read(air)?] {
+            for (sum, pixel) in color.pixels.iter_mut().zip(layer.pixels) {
+                (0..3).for_each(|c| sum[c] += pixel[c]);
+            }
+        }
+        let mut distance = read(distance)?;
+        distance.pixels.iter_mut().for_each(|pixel| pixel[0] *= 1e3);
+        Ok(Shot { color, distance, normal: read(normal)? })
+    }
+
+    fn draw(&mut self, frame: &Frame, rays: u32, sky: bool) -> Result<Picture> {
+        let texture = self.renderer.picture("shot", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let view = texture.create_view(&Default::default());
+        let target = Target { color: &view, depth: None, sky };
+        self.renderer.render_in_pieces(&self.gpu, frame, &target, &mut |_| ())?;
+        Ok(Picture::read(&self.gpu, &texture)?.reduced(rays as usize))
+    }
+
+    fn rays_for(&self, size: [u32; 2]) -> u32 {
+        self.rays.min(MOST / size[0].max(size[1]).clamp(1, MOST))
+    }
+}

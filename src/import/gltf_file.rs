@@ -1,0 +1,41 @@
+//! glTF 2.0 files, and where their nodes are in the world.
+
+use std::{fs, path::Path};
+
+use glam::{DMat4, Mat4};
+use gltf::{Gltf, Node};
+
+use crate::{Error, Result};
+
+/// Reads a .gltf or .glb file.
+pub(super) fn open(path: &Path) -> Result<Gltf> {
+    let bytes =
+        fs::read(path).map_err(|source| Error::File { action: "read", path: path.to_owned(), source })?;
+    Gltf::from_slice(&bytes).map_err(|error| foreign(path, &error))
+}
+
+/// What can't be made use of, and why.
+pub(super) fn foreign(path: &Path, reason: &impl std::fmt::Display) -> Error {
+    let problem = format!("is no glTF 2.0 file that can be read ({reason}): export it anew");
+    Error::Format { path: path.to_owned(), problem }
+}
+
+/// Calls `visit` for each node of the file's scene (of all its scenes, where it names none) with the map
+/// from the node to the world.
+pub(super) fn visit_nodes<'a>(file: &'a Gltf, visit: &mut dyn FnMut(&Node<'a>, DMat4)) {
+    let scenes =
+        || file.scenes().filter(|scene| file.default_scene().is_none_or(|own| own.index() == scene.index()));
+    // Files are trees by the standard, but not by force: what is deeper is a ring.
+    const DEEPEST: u32 = 200;
+    let mut open: Vec<_> =
+        scenes().flat_map(|scene| scene.nodes()).map(|node| (node, DMat4::IDENTITY, 0)).collect();
+    open.reverse();
+    while let Some((node, world_from_parent, depth)) = open.pop() {
+        let matrix = Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
+        let world_from_node = world_from_parent * matrix;
+        visit(&node, world_from_node);
+        if depth < DEEPEST {
+            open.extend(node.children().map(|child| (child, world_from_node, depth + 1)));
+        }
+    }
+}
