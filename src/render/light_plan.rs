@@ -5,8 +5,8 @@
 use super::{CameraUniform, Quality, frame::CloudFrame};
 use glam::DVec3;
 
-/// All light together takes no more memory than that of so many clouds of the largest kind, or
-/// than the coarsest light of each cloud in the picture.
+/// All light together takes no more memory than that of so many clouds of the largest kind, on
+/// top of the coarsest light of each cloud in the picture.
 const FULL_CLOUDS: u64 = 64;
 /// Coarsest light.
 const LEAST_RESOLUTION: u32 = 16;
@@ -25,6 +25,8 @@ pub(super) struct Detail {
 }
 
 impl Detail {
+    const COARSEST: Self = Self { resolution: LEAST_RESOLUTION, cells: LEAST_CELLS };
+
     /// What the light of a cube takes, bytes; that of any other cloud at most twice that.
     pub fn bytes(self) -> u64 {
         let [resolution, cells] = [self.resolution, self.cells].map(u64::from);
@@ -57,9 +59,9 @@ impl Detail {
     }
 }
 
-/// Bytes that the light of a scene may take in `quality`.
-pub(super) fn allowance(quality: &Quality) -> u64 {
-    FULL_CLOUDS * Detail::full(quality, 1.0).bytes()
+/// Bytes that the light of a scene with so many clouds in the picture may take in `quality`.
+pub(super) fn allowance(quality: &Quality, seen: usize) -> u64 {
+    FULL_CLOUDS * Detail::full(quality, 1.0).bytes() + seen as u64 * Detail::COARSEST.bytes()
 }
 
 /// How fine the light of each cloud is that is `in_view`.
@@ -79,12 +81,13 @@ pub(super) fn plan(
             seen.then(|| (detail, pixels(cloud, camera, eye)))
         })
         .collect();
+    let most = allowance(quality, seen.iter().flatten().count());
     let mut finest = f64::INFINITY;
     loop {
         let details: Vec<_> =
             seen.iter().map(|cloud| cloud.map(|(detail, pixels)| detail.at_most(finest * pixels))).collect();
         let total: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
-        if total <= allowance(quality) || finest < 1e-3 {
+        if total <= most || finest < 1e-6 {
             return details;
         }
         finest = if finest == f64::INFINITY { 4.0 } else { FINER * finest };
@@ -137,8 +140,7 @@ mod tests {
         for (_, quality) in Quality::PRESETS {
             let details: Vec<_> = planned(&quality, &frame).into_iter().flatten().collect();
             let total: u64 = details.iter().map(|detail| detail.bytes()).sum();
-            let coarsest = Detail { resolution: LEAST_RESOLUTION, cells: LEAST_CELLS }.bytes() * 3000;
-            assert!(total <= allowance(&quality).max(coarsest), "{total}");
+            assert!(total <= allowance(&quality, 3000), "{total}");
             assert!(details.is_sorted_by(|near, far| near.resolution >= far.resolution));
             assert_eq!(details[0].resolution, quality.light_resolution);
         }

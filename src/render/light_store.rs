@@ -103,7 +103,8 @@ impl LightStore {
                 Some(Kept { place: place(cloud), light, made: self.pictures })
             };
         }
-        self.keep(frame, rest, allowance(quality));
+        let seen = in_view.iter().filter(|seen| **seen).count();
+        self.keep(frame, rest, allowance(quality, seen));
     }
 
     /// What is kept for each cloud of `frame`, by where it is; a cloud that has moved is known by its

@@ -273,7 +273,7 @@ impl Renderer {
     }
 
     /// Memory that the light in the clouds takes, bytes: at most twice what 64 clouds of the
-    /// largest kind take in this quality, or the coarsest light of all that are in the picture.
+    /// largest kind take in this quality and the coarsest light of all that are in the picture.
     pub fn light_bytes(&self) -> u64 {
         self.lights.bytes()
     }
