@@ -88,7 +88,10 @@ fn time_carries_the_cloud_and_the_square_with_it() {
 
 #[test]
 fn sides_are_those_of_the_picture() {
-    let subject = Subject::new(&scene(PAIR), Some("left")).unwrap();
+    // Dense enough that little light comes through.
+    let mut scene = scene(PAIR);
+    scene.clouds[0].droplets.concentration_per_cm3 = 4000.0;
+    let subject = Subject::new(&scene, Some("left")).unwrap();
     let [positive, negative] = subject.six_ways(&mut studio(), DVec3::Z, 32).unwrap();
     assert_eq!(positive.pixels[0][3], negative.pixels[0][3]);
     // Mean light of the half of the cloud towards a side, and of the other half.
@@ -111,7 +114,7 @@ fn sides_are_those_of_the_picture() {
     let all = |_: usize, _: usize| true;
     let (back, front) = (half(&positive, 2, &all), half(&negative, 2, &all));
     // A thick cloud is brighter where light falls on it than where it must come through; a white sheet is 1.
-    assert!(front > back && front < 1.2 && back > 0.05, "{front} {back}");
+    assert!(front > 1.3 * back && front < 1.2 && back > 0.0, "{front} {back}");
     assert_eq!(SIDES.map(|(name, _)| name), ["right", "top", "back", "left", "bottom", "front"]);
 }
 
@@ -210,7 +213,8 @@ fn frames_blended_by_motion_are_nearer_to_what_is_between_than_faded_ones() {
             assert!(((2.0 * pixel[0] - 1.0) * motion.strongest - shift[0]).abs() < 1e-5);
         }
     }
-    assert!(warped < 0.85 * faded, "{warped} {faded}");
+    // What is left is light, which does not turn with the cloud.
+    assert!(warped < 0.92 * faded, "{warped} {faded}");
 }
 
 /// Half way between two frames, as engines blend flip-books.

@@ -331,6 +331,19 @@ fn a_moment_depends_on_its_time_alone() {
 }
 
 #[test]
+fn another_camera_is_not_moved_by_the_curves_of_the_scenes_own() {
+    let mut scene = scene(vec![track("camera.position[0]", &[Key::new(0.0, 1.0), Key::new(5.0, 90.0)])]);
+    let mut camera = scene.camera();
+    assert_eq!(scene.at(5.0).unwrap().camera().position.x, 90.0);
+    camera.position.x = 7.0;
+    assert_eq!(scene.seen_by(camera.clone()).at(5.0).unwrap().camera(), camera);
+    // Without one of its own a scene is seen from where its clouds are at the start.
+    scene.camera = None;
+    scene.timeline = None;
+    assert_eq!(scene.at(60.0).unwrap().camera(), scene.camera());
+}
+
+#[test]
 fn wind_that_changes_carries_by_its_integral() {
     let mut scene = scene(vec![track(
         "wind.velocity[0]",

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{picture::above_zero, terminal};
+use super::{numbers, picture::above_zero, terminal};
 use crate::{
     Error, Result,
     import::{Inside, fill, read_mesh},
@@ -31,8 +31,8 @@ pub struct Fill {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero)]
     scale: f64,
     /// Where the mesh's origin shall be, metres.
-    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 3, allow_hyphen_values = true)]
-    at: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    at: Option<[f64; 3]>,
     /// Thickness of the edge that noise works on, as a share of an ellipsoid's smallest radius.
     #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
     edge: f64,
@@ -51,7 +51,7 @@ impl Fill {
     /// Where the mesh, the arguments or the file are not good.
     pub fn run(self) -> Result<()> {
         let mut mesh = read_mesh(&self.mesh)?;
-        let origin = self.at.as_deref().map_or(DVec3::ZERO, DVec3::from_slice);
+        let origin = self.at.map_or(DVec3::ZERO, DVec3::from);
         mesh.positions.iter_mut().for_each(|p| *p = self.scale * *p + origin);
         let filled = fill(&Inside::new(&mesh, self.points), self.count as usize, self.seed)?;
         let scene = self.scene(&filled.ellipsoids);

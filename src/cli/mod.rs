@@ -80,3 +80,15 @@ pub fn main() -> ExitCode {
         }
     }
 }
+
+/// `N` numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let parsed: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    let finite = parsed.iter().all(|number| number.is_finite());
+    let right = text.split(',').count() == N && finite;
+    parsed
+        .try_into()
+        .ok()
+        .filter(|_| right)
+        .ok_or_else(|| format!("give {N} numbers with commas between them"))
+}

@@ -89,7 +89,7 @@ impl Render {
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
         if let Some(file) = &self.camera {
-            scene.camera = Some(camera_of(file)?);
+            scene = scene.seen_by(camera_of(file)?);
         }
         // What is wrong with the scene is told before an adapter is looked for.
         self.picture.frame(&scene)?;

@@ -56,5 +56,5 @@ pub fn equirectangular(studio: &mut Studio, scene: &Scene, height: u32) -> Resul
 fn looking(scene: &Scene, direction: DVec3, roll_deg: f64, projection: Projection) -> Scene {
     let position = scene.camera().position;
     let camera = Camera { position, target: position + 1000.0 * direction, roll_deg, projection };
-    Scene { camera: Some(camera), ..scene.clone() }
+    scene.seen_by(camera)
 }

@@ -115,7 +115,7 @@ impl Subject {
 
     /// The cloud seen from where `to_eye` points, without a picture's sky.
     pub fn seen_from(&self, to_eye: DVec3) -> Scene {
-        let target = self.center + self.scene.time * self.scene.wind.velocity;
+        let target = self.center + self.scene.drift();
         // Eye and light go round the cloud the other way.
         let back = DQuat::from_rotation_y(-self.turned);
         let camera = Camera {
@@ -126,7 +126,7 @@ impl Subject {
         };
         let position = SunPosition::Direction(back * self.scene.sun.to_sun());
         let sun = Sun { position, ..self.scene.sun.clone() };
-        Scene { camera: Some(camera), sun, ..self.scene.clone() }
+        Scene { sun, ..self.scene.seen_by(camera) }
     }
 
     /// The cloud at frame `frame` of `frames`.

@@ -14,7 +14,7 @@
 use glam::DVec3;
 
 use super::life::{self, smooth};
-use super::{Cloud, Ellipsoid, Scene, timeline};
+use super::{Camera, Cloud, Ellipsoid, Scene, timeline};
 use crate::Result;
 
 impl Scene {
@@ -45,6 +45,15 @@ impl Scene {
             timeline::pose(&mut posed, timeline, time);
         }
         posed
+    }
+
+    /// The same scene seen by another camera, which no curve moves.
+    pub fn seen_by(&self, camera: Camera) -> Self {
+        let mut scene = Self { camera: Some(camera), ..self.clone() };
+        if let Some(timeline) = &mut scene.timeline {
+            timeline.tracks.retain(|track| !track.path.starts_with("camera"));
+        }
+        scene
     }
 
     /// How far the wind has carried a cloud without a life at the scene's own time, m. In a loop

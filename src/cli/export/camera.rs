@@ -14,6 +14,9 @@ use crate::{Result, export::write_camera, scene::Scene};
 pub struct Camera {
     /// Scene file; `-` reads the standard input.
     scene: PathBuf,
+    /// The moment to take, seconds since the scene's start; the scene's own `time` where left out.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
     /// Camera to write: .glb or .gltf.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -26,6 +29,7 @@ impl Camera {
     pub(super) fn run(self) -> Result<()> {
         ending(&self.output, &["glb", "gltf"])?;
         let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        let scene = scene.posed(self.time.unwrap_or(scene.time));
         write_camera(&self.output, &scene.camera(), self.aspect)
     }
 }

@@ -57,14 +57,19 @@ impl Export {
 struct Source {
     /// Scene file; `-` reads the standard input.
     scene: PathBuf,
+    /// The moment to take, seconds since the scene's start; the scene's own `time` where left out.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
     /// Part of the name of the adapter to use; `nephos info` lists them.
     #[arg(long, value_name = "NAME")]
     adapter: Option<String>,
 }
 
 impl Source {
+    /// The scene as it is at that moment.
     fn scene(&self) -> Result<Scene> {
-        Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))
+        let scene = Scene::load(&self.scene).and_then(|scene| scene.at(self.time.unwrap_or(scene.time)));
+        scene.map_err(|error| error.in_file(&self.scene))
     }
 
     fn gpu(&self) -> Result<Gpu> {

@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{super::terminal, Source, above_zero, ending};
+use super::{
+    super::{numbers, terminal},
+    Source, above_zero, ending,
+};
 use crate::{
     Result,
     export::{Studio, write_grey, write_named},
@@ -31,8 +34,8 @@ pub struct Shadow {
     #[arg(long, value_name = "METRES", value_parser = above_zero)]
     extent: Option<f64>,
     /// Middle of the square; left out, it is in the middle of the shadows.
-    #[arg(long, value_name = "X,Z", value_delimiter = ',', num_args = 2, allow_hyphen_values = true)]
-    center: Option<Vec<f64>>,
+    #[arg(long, value_name = "X,Z", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    center: Option<[f64; 2]>,
     /// Height of the square; left out, that of the ground.
     #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
     altitude: Option<f64>,
@@ -45,7 +48,7 @@ impl Shadow {
         let altitude = self.altitude.unwrap_or(scene.ground.altitude);
         let mut studio = Studio::new(&self.source.gpu()?, 2, false);
         let (middle, across) = studio.shadows_of(&scene, altitude)?;
-        let center = self.center.as_deref().map_or(middle, |xz| DVec3::new(xz[0], altitude, xz[1]));
+        let center = self.center.map_or(middle, |[x, z]| DVec3::new(x, altitude, z));
         let extent = self.extent.unwrap_or(across);
         let shares = studio.sunlight_on(&scene, center, extent, self.size)?;
         match kind {

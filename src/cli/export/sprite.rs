@@ -35,15 +35,20 @@ pub(super) struct Frames {
     columns: Option<u32>,
     /// Way of the noise through the cloud, once round a circle: billows form and dissolve, and the last
     /// frame leads into the first. Left out, it is two of the largest billows; 0 keeps the shape.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", value_parser = at_least_zero)]
     travel: Option<f64>,
     /// How often the cloud turns about the vertical, in light that stands still.
-    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-64..=64))]
     turns: i32,
     /// Seconds of the scene that go by: its wind carries the cloud through the noise. Frames don't close to a
     /// loop then, and the noise goes round no circle.
     #[arg(long, value_name = "S", value_parser = above_zero, conflicts_with = "travel")]
     seconds: Option<f64>,
+}
+
+fn at_least_zero(text: &str) -> std::result::Result<f64, String> {
+    let known = text.parse().ok().filter(|value: &f64| *value >= 0.0 && value.is_finite());
+    known.ok_or_else(|| "give 0 or a number above it".to_owned())
 }
 
 /// A sprite's scene, subject and studio.

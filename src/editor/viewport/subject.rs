@@ -27,7 +27,7 @@ pub struct Subject {
 impl Subject {
     /// The scene as this viewport sees it.
     pub fn frame(&self, size: [u32; 2]) -> Result<Frame> {
-        Frame::new(&Scene { camera: Some(self.camera.clone()), ..Scene::clone(&self.scene) }, size)
+        Frame::new(&self.scene.seen_by(self.camera.clone()), size)
     }
 
     pub(super) fn same_scene(&self, other: &Self) -> bool {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::dice::Dice;
-use super::{Scene, cumulus};
+use super::{Scene, camera, cumulus};
 use crate::scene::timeline::{Key, Timeline, Track};
 use crate::scene::{Cloud, Life};
 
@@ -33,6 +33,7 @@ pub(super) fn clouds(dice: &mut Dice) -> Vec<Cloud> {
 /// apart, so that they never stand still together.
 pub(super) fn set_in_motion(scene: &mut Scene) {
     scene.wind.velocity = DVec3::new(22.0, 0.0, 4.0);
+    scene.camera = Some(camera(DVec3::new(0.0, 640.0, 1650.0), DVec3::new(0.0, 1030.0, 0.0)));
     let swing = |path: &str, start: f64, far: f64| Track {
         path: path.to_owned(),
         keys: vec![Key::new(start, far), Key::new(start + 0.5 * ROUND, -far)],
