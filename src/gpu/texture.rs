@@ -1,7 +1,6 @@
 //! Textures, samplers and buffers in the few shapes that the passes use.
 
 use half::f16;
-use wgpu::util::DeviceExt;
 
 /// What a texture is made for.
 pub struct TextureDesc<'a> {
@@ -84,20 +83,37 @@ fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
 
 /// A uniform buffer with these contents, writable later.
 pub fn uniform_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some(label),
-        contents: bytemuck::bytes_of(value),
-        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-    })
+    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+    filled_buffer(device, label, usage, bytemuck::bytes_of(value))
 }
 
 /// A storage buffer with these contents; an empty slice still makes one (zeroed)
 /// element, because buffers of no size are not allowed.
 pub fn storage_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, values: &[T]) -> wgpu::Buffer {
     let one = [T::zeroed()];
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+    filled_buffer(device, label, usage, bytemuck::cast_slice(if values.is_empty() { &one } else { values }))
+}
+
+/// On a device that is lost the buffer stays empty: what waits for the device tells of the loss.
+/// (`create_buffer_init` of wgpu panics.)
+fn filled_buffer(
+    device: &wgpu::Device,
+    label: &str,
+    usage: wgpu::BufferUsages,
+    contents: &[u8],
+) -> wgpu::Buffer {
+    let size = (contents.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        contents: bytemuck::cast_slice(if values.is_empty() { &one } else { values }),
-        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-    })
+        size,
+        usage,
+        mapped_at_creation: true,
+    });
+    if let Ok(mut range) = buffer.get_mapped_range_mut(..) {
+        range.slice(..contents.len()).copy_from_slice(contents);
+        drop(range);
+        buffer.unmap();
+    }
+    buffer
 }
