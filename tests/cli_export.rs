@@ -4,6 +4,10 @@
 
 use std::{fs, path::PathBuf};
 
+#[path = "common/readers.rs"]
+#[allow(dead_code, reason = "other tests read by other programs")]
+mod readers;
+
 use assert_cmd::Command;
 use nephos::scene::Scene;
 
@@ -153,4 +157,26 @@ fn cameras_that_move_are_taken_where_they_are_at_that_moment() {
         number("translation", 0).or(number("matrix", 12)).unwrap()
     };
     assert_eq!([position(""), position(" --time 4")], [0.0, 200.0]);
+}
+
+#[test]
+fn layers_have_the_names_that_compositors_expect() {
+    let desk = Desk::new();
+    desk.told("render scene.json -o layers.exr --layers --quality draft --width 32 --height 18");
+    let path = desk.path("layers.exr");
+    let Some(told) = readers::program("exrheader", &[path.to_str().unwrap()]) else { return };
+    // Colours are half floats; Nuke's depth is `depth.Z`, as float.
+    for color in ["", "sky.", "single.", "multiple.", "air."] {
+        for channel in ["R", "G", "B"] {
+            assert!(
+                told.contains(&format!("    {color}{channel}, 16-bit floating-point")),
+                "{color}{channel}: {told}"
+            );
+        }
+    }
+    for line in
+        ["    A, 16-bit", "    transmittance.Y, 16-bit", "    normal.X, 16-bit", "    depth.Z, 32-bit"]
+    {
+        assert!(told.contains(line), "{line}: {told}");
+    }
 }

@@ -253,6 +253,8 @@ fn complaints_name_the_track_the_value_and_the_way_out() {
         ("sky", "an object is not a number"),
         ("name", "text is not a number"),
         ("camera.position[3]", "the list ends at [2]"),
+        ("camera.position.x", "x, y and z are [0], [1] and [2]"),
+        ("camera.position", "a list is no number: add [0]"),
         ("clouds[0].hidden", "hidden"),
         ("noise..scale", "it can't be read from"),
         ("clouds['humilis.name", "it can't be read from"),
@@ -293,6 +295,13 @@ fn complaints_name_the_track_the_value_and_the_way_out() {
     dead.validate().unwrap();
     dead.timeline.as_mut().unwrap().looped = false;
     assert!(complaint(&dead).contains("clouds[0].life: death at 4 seconds"), "{}", complaint(&dead));
+    let lived = |birth, death, forming| {
+        let mut scene = looping();
+        scene.clouds[0].life = Some(Life { birth, death, forming, dissolving: 1.0 });
+        complaint(&scene)
+    };
+    assert!(lived(1.0, 3.0, 1.5).contains("forming and dissolving take 2.5 seconds of a life of 2"));
+    assert!(lived(1.0, 13.0, 0.5).contains("must lie in the loop, from 0 to 10 seconds"));
     let misspelt = Scene::from_json(r#"{"timeline":{"lenght":3}}"#).unwrap_err().to_string();
     assert!(misspelt.contains("did you mean `length`"), "{misspelt}");
 }

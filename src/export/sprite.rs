@@ -95,7 +95,8 @@ impl Subject {
         let visible = || alone.clouds.iter().flat_map(Cloud::visible);
         let bounds = visible().map(Ellipsoid::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let Some((low, high)) = bounds else {
-            return Err(Error::Argument("there is no cloud to take a sprite of".to_owned()));
+            return Err(Error::Argument("there is no cloud to take a sprite of at that moment: clouds that form and dissolve are there at \
+                 others (--time)".to_owned()));
         };
         let center = 0.5 * (low + high);
         let reach = visible().map(|e| e.center.distance(center) + e.radii.max_element());

@@ -42,6 +42,31 @@ impl Life {
         at.field("dissolving").number(self.dissolving, SPAN)
     }
 
+    /// Checks that it has room: a cloud that dissolves before it has formed is hardly seen.
+    pub(super) fn check_span(&self, period: Option<f64>, at: At) -> Result<()> {
+        let span = self.span(period);
+        if span <= 0.0 {
+            return Err(at.problem(format!(
+                "death at {} seconds is not after birth at {}: only in a loop a life goes on over its end",
+                self.death, self.birth
+            )));
+        }
+        let outside = |moment: f64| period.is_some_and(|period| !(0.0..=period).contains(&moment));
+        if let (Some(period), true) = (period, outside(self.birth) || outside(self.death)) {
+            return Err(at.problem(format!(
+                "birth at {} and death at {} seconds must lie in the loop, from 0 to {period} seconds",
+                self.birth, self.death
+            )));
+        }
+        if self.forming + self.dissolving > span * (1.0 + 1e-9) {
+            return Err(at.problem(format!(
+                "forming and dissolving take {} seconds of a life of {span}: shorten them, or let it live longer",
+                self.forming + self.dissolving
+            )));
+        }
+        Ok(())
+    }
+
     /// How long it is, s, in loops of `period` seconds: the whole loop where it ends as it begins.
     pub fn span(&self, period: Option<f64>) -> f64 {
         match period {

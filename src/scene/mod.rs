@@ -221,11 +221,8 @@ impl Scene {
         for (i, cloud) in self.clouds.iter().enumerate() {
             let at = at.index(i);
             cloud.check(at)?;
-            if let Some(life) = cloud.life.as_ref().filter(|life| life.span(self.period()) <= 0.0) {
-                return Err(at.field("life").problem(format!(
-                    "death at {} seconds is not after birth at {}: only in a loop a life goes on over its end",
-                    life.death, life.birth
-                )));
+            if let Some(life) = &cloud.life {
+                life.check_span(self.period(), at.field("life"))?;
             }
         }
         Ok(())

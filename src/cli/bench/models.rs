@@ -118,8 +118,8 @@ impl BenchModels {
         }
         if measured.is_empty() {
             return Err(Error::Argument(format!(
-                "there is nothing to measure against in `{}`: `nephos bench reference` makes references, and \
-                the pictures asked for must have some",
+                "there is nothing to measure against in `{}`: name the project's `benches/references` by \
+                --folder, or path trace references by `nephos bench reference`, which takes hours",
                 self.folder.display()
             )));
         }

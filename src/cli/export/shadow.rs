@@ -59,7 +59,7 @@ impl Shadow {
             _ => write_grey(&self.output, [self.size; 2], &shares)?,
         }
         terminal::print(&format!(
-            "{}: {extent} m around x {} z {} at y {altitude}\n",
+            "{}: {extent:.1} m around x {:.1} z {:.1} at y {altitude:.1}\n",
             self.output.display(),
             center.x,
             center.z

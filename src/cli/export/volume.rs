@@ -62,11 +62,12 @@ impl Volume {
         let (first, last) = volume.bounds().unwrap_or_default();
         let size = last - first + 1;
         terminal::print(&format!(
-            "{}: {}x{}x{} voxels of {voxel} m, {} of them filled\n",
+            "{}: {}x{}x{} voxels of {} m, {} of them filled\n",
             self.output.display(),
             size.x,
             size.y,
             size.z,
+            (1e4 * voxel).round() / 1e4,
             volume.filled().count()
         ))
     }

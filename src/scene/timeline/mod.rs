@@ -167,7 +167,7 @@ impl Track {
             let mut posed = scene.clone();
             path::write(&mut posed, &[(place.clone(), value)]).map_err(leads_nowhere)?;
             posed.check_owner(place.owner).map_err(|error| {
-                at.field("keys").problem(format!("keys and handles reach {value}, which can't be: {error}"))
+                at.field("keys").problem(format!("keys and handles reach {value}: {error}"))
             })?;
         }
         Ok(())

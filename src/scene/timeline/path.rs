@@ -80,7 +80,7 @@ impl Place {
                 None => return Err(missing(value, step)),
             };
         }
-        value.as_f64().ok_or_else(|| format!("{} is not a number", kind(value)))
+        value.as_f64().ok_or_else(|| no_number(value))
     }
 
     /// The same number of another object of its kind.
@@ -176,7 +176,7 @@ fn set(value: &mut Value, steps: &[Step], number: f64) -> Result<(), String> {
             // Seeds are whole numbers.
             Value::Number(old) if old.is_u64() => Value::from(number.round().max(0.0) as u64),
             Value::Number(_) => Value::from(number),
-            other => return Err(format!("{} is not a number", kind(other))),
+            other => return Err(no_number(other)),
         };
         return Ok(());
     };
@@ -204,6 +204,13 @@ fn follow<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
     }
 }
 
+fn no_number(value: &Value) -> String {
+    match value {
+        Value::Array(_) => "a list is no number: add [0] for its first, [1] for its second".to_owned(),
+        other => format!("{} is not a number", kind(other)),
+    }
+}
+
 fn missing(value: &Value, step: &Step) -> String {
     let known: Vec<&str> = value.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
     match (step, value) {
@@ -213,6 +220,9 @@ fn missing(value: &Value, step: &Step) -> String {
         }
         (Step::Index(index), Value::Array(list)) => {
             format!("there is no [{index}]: the list ends at [{}]", list.len().saturating_sub(1))
+        }
+        (Step::Field(name), Value::Array(_)) if ["x", "y", "z"].contains(&name.as_str()) => {
+            "x, y and z are [0], [1] and [2]".to_owned()
         }
         (step, value) => format!("`{step}` can't follow: {} is there", kind(value)),
     }
