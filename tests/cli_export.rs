@@ -64,7 +64,7 @@ fn each_kind_is_written() {
     desk.told("export sky scene.json -o sky.png --layout cubemap --size 8");
     desk.told("export sky scene.json -o sky.ktx2 --size 8");
     let told = desk.told("export shadow scene.json -o shadow.png --size 8 --center -600,600 --extent 500");
-    assert!(told.contains("500 m around x -600 z 600 at y 0"), "{told}");
+    assert!(told.contains("500.0 m around x -600.0 z 600.0 at y 0.0"), "{told}");
     desk.told(
         "export flipbook scene.json -o book.png --frames 2 --tile 16 --turns -1 --travel 0 --cloud one",
     );
