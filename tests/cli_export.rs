@@ -111,6 +111,9 @@ fn a_filled_mesh_is_a_scene() {
     // Larger by half an edge, and where ellipsoids bulge.
     assert!((high - low).min_element() > 180.0 && (high - low).max_element() < 290.0, "{}", high - low);
     fs::write(desk.path("open.obj"), format!("{corners}f 1 4 3 2\n")).unwrap();
+    assert!(!told.contains("below the ground"), "{told}");
+    let told = desk.told("fill box.obj -o low.json --count 2 --points 8");
+    assert!(told.contains("below the ground") && told.contains("--at"), "{told}");
     assert!(desk.complaint("fill open.obj -o open.json").contains("must be closed"));
 }
 

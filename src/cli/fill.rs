@@ -64,7 +64,14 @@ impl Fill {
             self.output.display(),
             filled.ellipsoids.len(),
             100.0 * filled.overlap
-        ))
+        ))?;
+        match scene.bounds() {
+            Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
+                "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
+                scene.ground.altitude - low.y
+            )),
+            _ => Ok(()),
+        }
     }
 
     fn scene(&self, ellipsoids: &[Ellipsoid]) -> Scene {
