@@ -101,7 +101,7 @@ pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
 }
 
 /// What draws: it outlives pictures, and what one leaves the next need not do again.
-pub(super) struct Studio {
+pub(super) struct Painter {
     pub gpu: Gpu,
     pub renderer: Renderer,
 }
@@ -125,7 +125,7 @@ pub(super) struct Drawn {
     pub estimate: Option<Estimate>,
 }
 
-impl Studio {
+impl Painter {
     /// Whether passes are timed and work is counted from now on.
     pub fn count(&mut self, on: bool) {
         self.renderer.counting = on;
@@ -158,9 +158,9 @@ impl PictureOptions {
     ///
     /// # Errors
     /// [`Error::Adapter`] where there is none of that name.
-    pub fn studio(&self) -> Result<Studio> {
+    pub fn painter(&self) -> Result<Painter> {
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
-        Ok(Studio { renderer: self.renderer(&gpu), gpu })
+        Ok(Painter { renderer: self.renderer(&gpu), gpu })
     }
 
     /// A scene at its own time, with as many pixels as rays are wanted.
@@ -203,19 +203,19 @@ impl PictureOptions {
     /// Where the scene, the device or the file are not good.
     pub fn draw_to_file(
         &self,
-        studio: &mut Studio,
+        painter: &mut Painter,
         job: &Job<'_>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Option<Estimate>> {
         if self.layers {
             let frame = self.frame(job.scene)?;
-            let layers = studio.renderer.render_layers(&studio.gpu, &frame, progress)?;
+            let layers = painter.renderer.render_layers(&painter.gpu, &frame, progress)?;
             let n = self.rays_across() as usize;
-            export::write_layers_noted(job.output, &studio.gpu, &layers, self.transparent, n, &job.notes)?;
+            export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
             return Ok(None);
         }
-        let drawn = self.draw(studio, job, progress)?;
-        self.write(studio, job, &drawn)?;
+        let drawn = self.draw(painter, job, progress)?;
+        self.write(painter, job, &drawn)?;
         Ok(drawn.estimate)
     }
 
@@ -223,16 +223,16 @@ impl PictureOptions {
     ///
     /// # Errors
     /// Where the scene or the device are not good.
-    pub fn draw(&self, studio: &mut Studio, job: &Job<'_>, progress: &mut dyn FnMut(f64)) -> Result<Drawn> {
+    pub fn draw(&self, painter: &mut Painter, job: &Job<'_>, progress: &mut dyn FnMut(f64)) -> Result<Drawn> {
         if self.traces_paths() {
-            return self.trace(studio, job, progress);
+            return self.trace(painter, job, progress);
         }
         let frame = self.frame(job.scene)?;
-        let linear = studio.renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let linear = painter.renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };
-        studio.renderer.render_in_pieces(&studio.gpu, &frame, &target, progress)?;
-        let picture = Picture::read(&studio.gpu, &linear)?.reduced(self.rays_across() as usize);
+        painter.renderer.render_in_pieces(&painter.gpu, &frame, &target, progress)?;
+        let picture = Picture::read(&painter.gpu, &linear)?.reduced(self.rays_across() as usize);
         Ok(Drawn { picture, estimate: None })
     }
 
@@ -240,7 +240,7 @@ impl PictureOptions {
     ///
     /// # Errors
     /// Where the device or the file are not good.
-    pub fn write(&self, studio: &mut Studio, job: &Job<'_>, drawn: &Drawn) -> Result<()> {
+    pub fn write(&self, painter: &mut Painter, job: &Job<'_>, drawn: &Drawn) -> Result<()> {
         let picture = &drawn.picture;
         match (Format::of(job.output)?, &drawn.estimate) {
             (Format::Exr, Some(estimate)) => {
@@ -248,7 +248,7 @@ impl PictureOptions {
             }
             (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &job.notes),
             (Format::Png, _) => {
-                let bytes = finished(studio, picture, job.scene)?;
+                let bytes = finished(painter, picture, job.scene)?;
                 let size = [self.width, self.height];
                 export::write_png_noted(job.output, size, &bytes, self.transparent, &job.notes)
             }
@@ -275,8 +275,8 @@ impl PictureOptions {
 ///
 /// # Errors
 /// Where the device fails.
-pub(super) fn finished(studio: &mut Studio, picture: &Picture, scene: &Scene) -> Result<Vec<u8>> {
-    picture.finished(&studio.gpu, &mut studio.renderer, scene.posed(scene.time).tone())
+pub(super) fn finished(painter: &mut Painter, picture: &Picture, scene: &Scene) -> Result<Vec<u8>> {
+    picture.finished(&painter.gpu, &mut painter.renderer, scene.posed(scene.time).tone())
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -316,15 +316,15 @@ mod tests {
     fn a_device_that_is_lost_ends_in_a_sentence_and_leaves_the_file_alone() {
         let words = ["", "--width", "16", "--height", "9", "--quality", "draft"];
         let options = Line::try_parse_from(words).unwrap().picture;
-        let mut studio = options.studio().unwrap();
+        let mut painter = options.painter().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("frame.0001.png");
         let scene = Preset::Sphere.scene(1);
         let job = Job { scene: &scene, output: &output, resume: false, keep: false, notes: Notes::default() };
-        options.draw_to_file(&mut studio, &job, &mut |_| {}).unwrap();
+        options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap();
         let whole = std::fs::read(&output).unwrap();
-        studio.gpu.device.destroy();
-        let error = options.draw_to_file(&mut studio, &job, &mut |_| {}).unwrap_err();
+        painter.gpu.device.destroy();
+        let error = options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap_err();
         assert!(matches!(error, Error::Gpu { .. }), "{error}");
         assert_eq!(std::fs::read(&output).unwrap(), whole);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);

@@ -9,7 +9,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{
-    picture::{Format, Job, PictureOptions, Studio},
+    picture::{Format, Job, Painter, PictureOptions},
     terminal,
 };
 use crate::{
@@ -93,8 +93,8 @@ impl Render {
         }
         // What is wrong with the scene is told before an adapter is looked for.
         self.picture.frame(&scene)?;
-        let mut studio = self.picture.studio()?;
-        studio.count(self.stats);
+        let mut painter = self.picture.painter()?;
+        painter.count(self.stats);
         let started = Instant::now();
         let bar = terminal::progress("rendering");
         let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
@@ -105,9 +105,9 @@ impl Render {
             keep: true,
             notes: Notes::default(),
         };
-        let traced = self.picture.draw_to_file(&mut studio, &job, &mut progress)?;
+        let traced = self.picture.draw_to_file(&mut painter, &job, &mut progress)?;
         bar.finish_and_clear();
-        self.tell(&studio, traced.as_ref(), started.elapsed().as_secs_f64())
+        self.tell(&painter, traced.as_ref(), started.elapsed().as_secs_f64())
     }
 
     /// Only EXR files hold what path tracing found so far.
@@ -124,8 +124,8 @@ impl Render {
         Err(Error::Argument(problem))
     }
 
-    fn tell(&self, studio: &Studio, traced: Option<&Estimate>, seconds: f64) -> Result<()> {
-        let Studio { gpu, renderer } = studio;
+    fn tell(&self, painter: &Painter, traced: Option<&Estimate>, seconds: f64) -> Result<()> {
+        let Painter { gpu, renderer } = painter;
         let counts = if self.stats { Some(renderer.counts(gpu)?) } else { None };
         let passes = renderer.timing.as_ref().map_or(Ok(Vec::new()), |timing| timing.collect(gpu))?;
         let report = Report {

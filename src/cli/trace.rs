@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::picture::{Drawn, Job, PictureOptions, Studio};
+use super::picture::{Drawn, Job, Painter, PictureOptions};
 use crate::{
     Error, Result,
     export::{self, Picture},
@@ -22,13 +22,13 @@ impl PictureOptions {
     /// Traces the picture, and writes it now and then where it shall be kept.
     pub(super) fn trace(
         &self,
-        studio: &mut Studio,
+        painter: &mut Painter,
         job: &Job<'_>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Drawn> {
         let frame = self.frame(job.scene)?;
-        let sky = if self.transparent { None } else { Some(sky(studio, &frame)?) };
-        let mut tracer = PathTracer::new(&studio.gpu, &frame, 0)?;
+        let sky = if self.transparent { None } else { Some(sky(painter, &frame)?) };
+        let mut tracer = PathTracer::new(&painter.gpu, &frame, 0)?;
         if job.resume && job.output.exists() {
             tracer = tracer.after(self.earlier(job)?)?;
         }
@@ -37,7 +37,7 @@ impl PictureOptions {
             progress(now.share);
             if let Some(estimate) = now.estimate.filter(|_| job.keep && kept.elapsed() > KEEP_EVERY) {
                 let drawn = self.composed(sky.as_ref(), estimate.clone());
-                self.write(studio, job, &drawn)?;
+                self.write(painter, job, &drawn)?;
                 kept = Instant::now();
             }
             Ok(true)
@@ -87,7 +87,7 @@ impl PictureOptions {
 }
 
 /// What is behind the clouds.
-fn sky(Studio { gpu, renderer }: &mut Studio, frame: &Frame) -> Result<Picture> {
+fn sky(Painter { gpu, renderer }: &mut Painter, frame: &Frame) -> Result<Picture> {
     let sky = renderer.picture("sky", frame.size(), wgpu::TextureFormat::Rgba16Float);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     renderer.render_sky(&mut encoder, frame, &sky.create_view(&Default::default()));

@@ -8,7 +8,8 @@ use glam::Vec3;
 use super::{
     CameraUniform, Quality, SceneDepth, Transport,
     frame::{CloudFrame, Frame},
-    light::{CloudLight, LightBox},
+    light::CloudLight,
+    light_box::LightBox,
     moments::FieldBox,
     optics::{CloudOptics, OpticsTextures},
     slab_textures::SlabTextures,

@@ -9,7 +9,7 @@ use super::{
     clouds::CloudUniform,
     compose::ComposeUniform,
     ellipsoids::EllipsoidUniform,
-    light::LightBox,
+    light_box::LightBox,
     moments::FieldUniform,
     noise::NoiseFrame,
     resolve::ResolveUniform,

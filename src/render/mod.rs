@@ -9,6 +9,7 @@ mod frame;
 #[cfg(test)]
 mod layouts;
 mod light;
+mod light_box;
 mod light_plan;
 mod light_store;
 mod moments;

@@ -22,12 +22,8 @@ mod rounds;
 use glam::{UVec3, Vec3, Vec4};
 
 use super::{
-    bricks::Bricks,
-    ellipsoids::EllipsoidUniform,
-    frame::CloudFrame,
-    light::{Inputs, LightBox},
-    noise::NoiseFrame,
-    optics::CloudOptics,
+    bricks::Bricks, ellipsoids::EllipsoidUniform, frame::CloudFrame, light::Inputs, light_box::LightBox,
+    noise::NoiseFrame, optics::CloudOptics,
 };
 use crate::gpu::{self, ComputeProgram, TextureDesc};
 use quadrature::{DIRECTIONS, directions, patches};

@@ -24,7 +24,7 @@ use self::{
     stamp::Stamp,
 };
 use super::{
-    picture::{self, Format, Job, PictureOptions, Studio, above_zero},
+    picture::{self, Format, Job, Painter, PictureOptions, above_zero},
     terminal,
 };
 use crate::{
@@ -162,7 +162,7 @@ impl Sequence {
         if missing.is_empty() {
             return Ok(report);
         }
-        let mut studio = self.picture.studio()?;
+        let mut painter = self.picture.painter()?;
         let mut last: Option<(&Stamp, PathBuf)> = None;
         let bar = terminal::progress("frames");
         for (i, still) in missing.iter().enumerate() {
@@ -178,20 +178,20 @@ impl Sequence {
                     report.repeated += 1;
                 }
                 _ => {
-                    self.draw_to(&mut studio, scene, still, &file, &mut progress)?;
+                    self.draw_to(&mut painter, scene, still, &file, &mut progress)?;
                     report.drawn += 1;
                 }
             }
             last = Some((&still.stamp, file));
         }
         bar.finish_and_clear();
-        report.tell_of(&studio);
+        report.tell_of(&painter);
         Ok(report)
     }
 
     fn draw_to(
         &self,
-        studio: &mut Studio,
+        painter: &mut Painter,
         scene: &Scene,
         still: &Still,
         file: &Path,
@@ -200,7 +200,7 @@ impl Sequence {
         let scene = Scene { time: still.time, ..scene.clone() };
         // What a path traced frame is on the way is no frame: it would pass for one.
         let job = Job { scene: &scene, output: file, resume: false, keep: false, notes: still.stamp.notes() };
-        self.picture.draw_to_file(studio, &job, progress).map(drop)
+        self.picture.draw_to_file(painter, &job, progress).map(drop)
     }
 
     fn movie(&self, scene: &Scene, stills: &[Still], fps: f64, container: Container) -> Result<Report> {
@@ -222,7 +222,7 @@ impl Sequence {
         let mut movie = Movie::begin(&self.output, container, size, fps)?;
         let (mut report, mut last) = (Report::default(), None::<(Stamp, Vec<u8>)>);
         // Who finds all frames needs no adapter.
-        let mut studio = None;
+        let mut painter = None;
         let bar = terminal::progress("frames");
         for (i, still) in stills.iter().enumerate() {
             let mut progress = |share: f64| {
@@ -241,11 +241,11 @@ impl Sequence {
                     }
                     None => {
                         report.drawn += 1;
-                        let studio = match &mut studio {
-                            Some(studio) => studio,
-                            none => none.insert(self.picture.studio()?),
+                        let painter = match &mut painter {
+                            Some(painter) => painter,
+                            none => none.insert(self.picture.painter()?),
                         };
-                        self.bytes(studio, scene, still, &mut progress)?
+                        self.bytes(painter, scene, still, &mut progress)?
                     }
                 },
             };
@@ -255,14 +255,14 @@ impl Sequence {
         }
         movie.finish()?;
         bar.finish_and_clear();
-        studio.iter().for_each(|studio| report.tell_of(studio));
+        painter.iter().for_each(|painter| report.tell_of(painter));
         Ok(report)
     }
 
     /// A frame as screens show it, RGB of 8 bits.
     fn bytes(
         &self,
-        studio: &mut Studio,
+        painter: &mut Painter,
         scene: &Scene,
         still: &Still,
         progress: &mut dyn FnMut(f64),
@@ -270,8 +270,8 @@ impl Sequence {
         let scene = Scene { time: still.time, ..scene.clone() };
         let job =
             Job { scene: &scene, output: &self.output, resume: false, keep: false, notes: Notes::default() };
-        let drawn = self.picture.draw(studio, &job, progress)?;
-        Ok(export::opaque_of(&picture::finished(studio, &drawn.picture, &scene)?))
+        let drawn = self.picture.draw(painter, &job, progress)?;
+        Ok(export::opaque_of(&picture::finished(painter, &drawn.picture, &scene)?))
     }
 
     fn told(&self, report: &Report) -> String {
@@ -295,9 +295,9 @@ impl Sequence {
 }
 
 impl Report {
-    fn tell_of(&mut self, studio: &Studio) {
-        self.light_updates = studio.renderer.light_updates();
-        self.adapter = Some(studio.gpu.adapter.clone());
+    fn tell_of(&mut self, painter: &Painter) {
+        self.light_updates = painter.renderer.light_updates();
+        self.adapter = Some(painter.gpu.adapter.clone());
     }
 }
 
