@@ -6,6 +6,7 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
+use super::shader::MOST_BUFFERS;
 use crate::{Error, Result};
 
 /// What `nephos info` tells of an adapter.
@@ -120,10 +121,13 @@ impl Gpu {
 
 /// The device that this crate asks of an adapter.
 pub(crate) fn wanted(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let least = wgpu::Limits::default().max_storage_buffers_per_shader_stage;
+    let offered = adapter.limits().max_storage_buffers_per_shader_stage;
+    let max_storage_buffers_per_shader_stage = offered.clamp(least, MOST_BUFFERS);
     wgpu::DeviceDescriptor {
         label: Some("nephos"),
         required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-        required_limits: wgpu::Limits::default(),
+        required_limits: wgpu::Limits { max_storage_buffers_per_shader_stage, ..Default::default() },
         ..Default::default()
     }
 }

@@ -1,6 +1,7 @@
 //! The graphics device and the small tools around it. No physics here.
 
 mod device;
+mod pack;
 mod readback;
 mod shader;
 mod texture;
@@ -9,11 +10,13 @@ mod timing;
 pub use device::{AdapterSummary, Gpu, adapters};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
+pub(crate) use pack::{Pack, Place};
 pub use readback::{read_buffer, read_texture};
 #[cfg(test)]
 pub(crate) use shader::entry_point;
 pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
 pub(crate) use shader::{bind_group, draw_screen, screen_pipeline, shader_module};
+pub(crate) use texture::UNIFORM;
 pub use texture::{
     TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
 };

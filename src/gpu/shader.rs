@@ -71,11 +71,31 @@ pub(crate) fn entry_point(name: &str) -> String {
 }
 
 pub(crate) fn shader_module(device: &wgpu::Device, name: &str) -> wgpu::ShaderModule {
+    compile(device, name, entry_point(name))
+}
+
+fn compile(device: &wgpu::Device, name: &str, mut linked: String) -> wgpu::ShaderModule {
+    if has_slow_uniforms(device) {
+        linked = linked.replace("var<uniform>", "var<storage, read>");
+    }
     device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(name),
-        source: wgpu::ShaderSource::Wgsl(Cow::Owned(entry_point(name))),
+        source: wgpu::ShaderSource::Wgsl(Cow::Owned(linked)),
     })
 }
+
+/// Whether the driver compiles a shader again for every uniform buffer that it is given: Mesa's
+/// llvmpipe writes the values that loops and branches ask for into the program, some 10 ms for each
+/// draw and dispatch, and keeps all of those programs. Values in storage buffers it leaves alone.
+/// [`MOST_BUFFERS`] are needed for that.
+fn has_slow_uniforms(device: &wgpu::Device) -> bool {
+    device.adapter_info().device_type == wgpu::DeviceType::Cpu
+        && device.limits().max_storage_buffers_per_shader_stage >= MOST_BUFFERS
+}
+
+/// Buffers of any kind that one stage of a shader may have: WebGPU's 8 storage and 12 uniform ones are
+/// more than any has.
+pub(super) const MOST_BUFFERS: u32 = 12;
 
 /// A compute shader with one bind group.
 pub struct ComputeProgram {
@@ -91,11 +111,7 @@ impl ComputeProgram {
 
     /// The same from text that is not in [`ENTRY_POINTS`]: for tests of single functions.
     pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(name),
-            source: wgpu::ShaderSource::Wgsl(Cow::Owned(link(source))),
-        });
-        Self::from_module(device, name, &module, &[])
+        Self::from_module(device, name, &compile(device, name, link(source)), &[])
     }
 
     fn from_module(

@@ -81,10 +81,13 @@ fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
     })
 }
 
+/// What a buffer must be good for that shaders take as uniform: some devices get it as storage.
+pub(crate) const UNIFORM: wgpu::BufferUsages =
+    wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::STORAGE).union(wgpu::BufferUsages::COPY_DST);
+
 /// A uniform buffer with these contents, writable later.
 pub fn uniform_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
-    let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-    filled_buffer(device, label, usage, bytemuck::bytes_of(value))
+    filled_buffer(device, label, UNIFORM, bytemuck::bytes_of(value))
 }
 
 /// A storage buffer with these contents; an empty slice still makes one (zeroed)
@@ -97,7 +100,7 @@ pub fn storage_buffer<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, valu
 
 /// On a device that is lost the buffer stays empty: what waits for the device tells of the loss.
 /// (`create_buffer_init` of wgpu panics.)
-fn filled_buffer(
+pub(super) fn filled_buffer(
     device: &wgpu::Device,
     label: &str,
     usage: wgpu::BufferUsages,

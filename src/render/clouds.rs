@@ -16,7 +16,7 @@ use super::{
     stats::Counters,
     tiles::Cover,
 };
-use crate::gpu;
+use crate::gpu::{self, Pack, Place};
 
 /// `Cloud` of `shaders/clouds.wgsl`.
 #[repr(C)]
@@ -114,6 +114,34 @@ pub(super) struct Shared<'a> {
     pub slab: &'a SlabTextures,
 }
 
+/// A cloud in the picture: it has tiles.
+pub(super) struct Seen<'a> {
+    pub cloud: &'a CloudFrame,
+    pub light: &'a CloudLight,
+    pub cover: &'a Cover,
+}
+
+/// What the shader knows of a cloud beside textures, in the buffer of all clouds.
+struct Packed {
+    uniform: Place,
+    ellipsoids: Place,
+    tiles: Place,
+    candidates: Place,
+    noise: Place,
+}
+
+impl Packed {
+    fn new(pack: &mut Pack, shared: &Shared<'_>, Seen { cloud, light, cover }: &Seen<'_>) -> Self {
+        Self {
+            uniform: pack.add(&[uniform(shared, cloud, light)]),
+            ellipsoids: pack.add(&cloud.ellipsoids),
+            tiles: pack.add(&cover.tiles),
+            candidates: pack.add(&cover.candidates),
+            noise: pack.add(&[cloud.noise]),
+        }
+    }
+}
+
 /// A cloud ready to be drawn.
 pub(super) struct Draw {
     variant: Variant,
@@ -137,29 +165,29 @@ impl CloudsPass {
         Self { module: gpu::shader_module(device, "clouds"), pipelines: HashMap::new(), optics: Vec::new() }
     }
 
-    /// Compiles what is missing and binds one cloud; nothing where it is out of the picture.
+    /// Compiles what is missing and binds `clouds` for `entry`.
     pub fn prepare(
         &mut self,
         shared: &Shared<'_>,
-        cloud: &CloudFrame,
-        light: &CloudLight,
-        cover: &Cover,
+        clouds: &[Seen<'_>],
         entry: &'static str,
         format: wgpu::TextureFormat,
-    ) -> Option<Draw> {
-        let uniform = uniform(shared, cloud, light);
-        if cover.tiles.is_empty() {
-            return None;
-        }
-        let variant = variant(shared, cloud, entry);
-        let pipeline = self
-            .pipelines
-            .entry((variant, format))
-            .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
-        let layout = pipeline.get_bind_group_layout(0);
-        let optics = self.textures(shared, &cloud.optics);
-        let group = bind(shared, cloud, light, optics, &uniform, cover, &layout);
-        Some(Draw { variant, group, tiles: cover.tiles.len() as u32 })
+    ) -> Vec<Draw> {
+        let mut pack = Pack::default();
+        let packed: Vec<_> = clouds.iter().map(|seen| Packed::new(&mut pack, shared, seen)).collect();
+        let buffer = pack.buffer(shared.device, "clouds");
+        let bound = |(seen, packed): (&Seen<'_>, Packed)| {
+            let variant = variant(shared, seen.cloud, entry);
+            let pipeline = self
+                .pipelines
+                .entry((variant, format))
+                .or_insert_with(|| pipeline(shared.device, &self.module, &variant, format));
+            let layout = pipeline.get_bind_group_layout(0);
+            let optics = self.textures(shared, &seen.cloud.optics);
+            let group = bind(shared, seen.light, optics, &buffer, packed, &layout);
+            Draw { variant, group, tiles: seen.cover.tiles.len() as u32 }
+        };
+        clouds.iter().zip(packed).map(bound).collect()
     }
 
     /// The tables of `optics` on the device, uploaded when first needed.
@@ -259,35 +287,28 @@ fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> Cloud
 
 fn bind(
     shared: &Shared<'_>,
-    cloud: &CloudFrame,
     light: &CloudLight,
     optics: &OpticsTextures,
-    uniform: &CloudUniform,
-    cover: &Cover,
+    buffer: &wgpu::Buffer,
+    packed: Packed,
     layout: &wgpu::BindGroupLayout,
 ) -> wgpu::BindGroup {
-    let device = shared.device;
-    let cloud_buffer = gpu::uniform_buffer(device, "cloud", uniform);
-    let ellipsoids = gpu::storage_buffer(device, "ellipsoids", &cloud.ellipsoids);
-    let tiles = gpu::storage_buffer(device, "tiles", &cover.tiles);
-    let candidates = gpu::storage_buffer(device, "candidates", &cover.candidates);
-    let noise = gpu::uniform_buffer(device, "noise frame", &cloud.noise);
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
     let moments = light.moments.as_ref();
     let volume = moments.map(|moments| &moments.sun).or(shared.slab.volume());
     let angles = moments.map(|_| &optics.beyond).or(shared.slab.angles());
     let planes = shared.slab.planes().unwrap_or([&optics.remainder; 4]);
     gpu::bind_group(
-        device,
+        shared.device,
         "cloud",
         layout,
         &[
             Some(shared.camera.as_entire_binding()),
-            Some(cloud_buffer.as_entire_binding()),
-            Some(ellipsoids.as_entire_binding()),
-            Some(tiles.as_entire_binding()),
-            Some(candidates.as_entire_binding()),
-            Some(noise.as_entire_binding()),
+            Some(packed.uniform.binding(buffer)),
+            Some(packed.ellipsoids.binding(buffer)),
+            Some(packed.tiles.binding(buffer)),
+            Some(packed.candidates.binding(buffer)),
+            Some(packed.noise.binding(buffer)),
             texture(shared.noise_volume),
             Some(wgpu::BindingResource::Sampler(shared.repeat)),
             Some(wgpu::BindingResource::Sampler(shared.clamped)),

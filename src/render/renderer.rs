@@ -4,7 +4,7 @@ mod pieces;
 
 use super::{
     Counts, Quality,
-    clouds::{CloudsPass, Draw, Shared},
+    clouds::{CloudsPass, Draw, Seen, Shared},
     compose::Compose,
     frame::{CloudFrame, Frame},
     light::Inputs,
@@ -372,13 +372,12 @@ impl Renderer {
         let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
         let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();
         order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
-        order
-            .into_iter()
-            .filter_map(|i| {
-                let light = self.lights.get(i)?;
-                self.clouds.prepare(&shared, &frame.clouds[i], light, &self.covers[i], entry, format)
-            })
-            .collect()
+        let seen = |i: usize| {
+            let (light, cover) = (self.lights.get(i)?, &self.covers[i]);
+            (!cover.tiles.is_empty()).then_some(Seen { cloud: &frame.clouds[i], light, cover })
+        };
+        let seen: Vec<_> = order.into_iter().filter_map(seen).collect();
+        self.clouds.prepare(&shared, &seen, entry, format)
     }
 
     /// Begins a pass over what `targets` hold.

@@ -223,7 +223,7 @@ impl Sky {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
                 size,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                usage: gpu::UNIFORM,
                 mapped_at_creation: false,
             })
         };

@@ -64,18 +64,26 @@ impl Cover {
             }
             return;
         }
-        let smaller = quarters(min, max, SMALL).map(|(a, b)| (a, b, view.seen(a, b, &near)));
+        self.trim(view, min, max, near, SMALL);
+    }
+
+    /// Adds a tile, or its quarters where one of them is empty.
+    fn trim(&mut self, view: &View<'_>, min: UVec2, max: UVec2, near: Vec<u32>, step: u32) {
+        if near.is_empty() {
+            return;
+        }
+        if step < SMALLEST {
+            return self.push(min, max, near);
+        }
+        let smaller = quarters(min, max, step).map(|(a, b)| (a, b, view.seen(a, b, &near)));
         if smaller.iter().all(|(_, _, seen)| !seen.is_empty()) {
             self.push(min, max, near);
         } else {
-            smaller.into_iter().for_each(|(a, b, seen)| self.push(a, b, seen));
+            smaller.into_iter().for_each(|(a, b, seen)| self.trim(view, a, b, seen, step / 2));
         }
     }
 
     fn push(&mut self, min: UVec2, max: UVec2, near: Vec<u32>) {
-        if near.is_empty() {
-            return;
-        }
         self.tiles.push(Tile {
             area: [min.x, min.y, max.x, max.y],
             first: self.candidates.len() as u32,
