@@ -1,9 +1,10 @@
 //! Measures what a frame costs against the number of clouds and of ellipsoids, for
 //! docs/scale.md: `cargo run --release --example scale_report [-- most]`. Rows with more than
-//! `most` ellipsoids (all of them: 20000) are left out.
+//! `most` ellipsoids (all of them: 20000) are left out; with all of them it also writes
+//! docs/pictures/scale.svg.
 #![allow(clippy::print_stdout, reason = "it reports")]
 
-use std::time::Instant;
+use std::{error::Error, path::Path, time::Instant};
 
 use glam::DVec3;
 use nephos::{
@@ -13,13 +14,21 @@ use nephos::{
     render::{Counts, Frame, Quality, Renderer, Target},
     scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition},
 };
+use plotters::{coord::Shift, prelude::*};
+
+type Outcome<T = ()> = std::result::Result<T, Box<dyn Error>>;
 
 const SIZE: [u32; 2] = [320, 180];
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Ellipsoids of a cloud of the field.
 const EACH: usize = 16;
 
-fn main() -> Result<()> {
+/// Ellipsoids of the scenes of one cloud.
+const HEAPS: [usize; 5] = [8, 64, 512, 4096, 20_000];
+/// Clouds of the scenes of many.
+const FIELDS: [usize; 4] = [1, 10, 100, 1000];
+
+fn main() -> Outcome {
     let most = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(20_000);
     let gpu = pollster::block_on(Gpu::open(None))?;
     println!("{} at {}x{}, draft\n", gpu.adapter.name, SIZE[0], SIZE[1]);
@@ -27,13 +36,63 @@ fn main() -> Result<()> {
         "| scene | frame ms | first s | again ms | covered | rays | hits | density | ellipsoids | light MiB |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    let fields = [1, 10, 100, 1000].map(|clouds| (format!("{clouds} clouds"), clouds * EACH, field(clouds)));
-    let heaps = [8, 64, 512, 4096, 20_000].map(|count| (format!("{count} ellipsoids"), count, heap(count)));
-    for (name, count, scene) in fields.into_iter().chain(heaps) {
-        if count <= most {
-            Cost::of(&gpu, &scene)?.print(&name);
+    let report = |count: usize, each: usize, name: &str, scene: Scene| -> Result<Option<(f64, Cost)>> {
+        if count * each > most {
+            return Ok(None);
         }
+        let cost = Cost::of(&gpu, &scene)?;
+        cost.print(&format!("{count} {name}"));
+        Ok(Some((count as f64, cost)))
+    };
+    let all = |costs: Vec<Option<(f64, Cost)>>| costs.into_iter().collect::<Option<Vec<_>>>();
+    let fields = FIELDS.map(|count| report(count, EACH, "clouds", field(count)));
+    let fields = all(fields.into_iter().collect::<Result<Vec<_>>>()?);
+    let heaps = HEAPS.map(|count| report(count, 1, "ellipsoids", heap(count)));
+    let heaps = all(heaps.into_iter().collect::<Result<Vec<_>>>()?);
+    let (Some(fields), Some(heaps)) = (fields, heaps) else { return Ok(()) };
+    plot(Path::new("docs/pictures/scale.svg"), &fields, &heaps)
+}
+
+fn plot(path: &Path, fields: &[(f64, Cost)], heaps: &[(f64, Cost)]) -> Outcome {
+    let root = SVGBackend::new(path, (940, 420)).into_drawing_area();
+    root.fill(&WHITE)?;
+    let halves = root.split_evenly((1, 2));
+    chart(&halves[0], "Many clouds of 16 ellipsoids", "clouds", fields)?;
+    chart(&halves[1], "One cloud of many ellipsoids", "ellipsoids", heaps)?;
+    root.present()?;
+    Ok(())
+}
+
+/// Costs of a covered pixel.
+fn chart(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    title: &str,
+    what: &str,
+    costs: &[(f64, Cost)],
+) -> Outcome {
+    let last = costs.last().map_or(1.0, |(count, _)| *count);
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 16))
+        .margin(12)
+        .x_label_area_size(40)
+        .y_label_area_size(50)
+        .build_cartesian_2d((costs[0].0..last).log_scale(), (1.0..10_000.0).log_scale())?;
+    chart.configure_mesh().x_desc(what).y_desc("per covered pixel").draw()?;
+    let lines: [(&str, fn(&Cost) -> f64, RGBColor); 4] = [
+        ("microseconds", |cost| 1e3 * cost.again_ms, RGBColor(205, 85, 30)),
+        ("ellipsoids asked", |cost| cost.counts.ellipsoids as f64, RGBColor(120, 70, 190)),
+        ("density evaluations", |cost| cost.counts.density_evaluations as f64, RGBColor(20, 140, 90)),
+        ("rays", |cost| cost.counts.rays as f64, RGBColor(30, 110, 190)),
+    ];
+    for (name, value, color) in lines {
+        let points = costs.iter().map(|(count, cost)| (*count, value(cost) / cost.covered.max(1) as f64));
+        chart
+            .draw_series(LineSeries::new(points, color.stroke_width(2)).point_size(3))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
     }
+    let gray = RGBColor(110, 110, 116);
+    chart.configure_series_labels().background_style(WHITE).border_style(gray).draw()?;
     Ok(())
 }
 

@@ -51,7 +51,8 @@ mod tests {
     #[test]
     fn values_lie_apart_and_none_is_lost() {
         let mut pack = Pack::default();
-        let places = [pack.add(&[1u32, 2, 3]), pack.add::<f32>(&[]), pack.add(&[7u32; 100]), pack.add(&[9u32])];
+        let places =
+            [pack.add(&[1u32, 2, 3]), pack.add::<f32>(&[]), pack.add(&[7u32; 100]), pack.add(&[9u32])];
         let ends: Vec<_> = places.iter().map(|place| (place.offset, place.size)).collect();
         assert_eq!(ends, [(0, 12), (256, 4), (512, 400), (1024, 4)]);
         assert_eq!(pack.bytes[..12], bytemuck::cast::<_, [u8; 12]>([1u32, 2, 3]));

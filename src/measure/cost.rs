@@ -73,9 +73,13 @@ pub struct Stopwatch<'a> {
     pub gpu: &'a Gpu,
     /// Size of the finished pictures, pixels.
     pub size: [u32; 2],
-    /// How often the time of a frame is taken; that of light, a third as often.
+    /// How often the time of a frame is taken at most; that of light, a third as often. Frames that
+    /// take long are drawn less often: noise is a smaller share of them.
     pub repeats: u32,
 }
+
+/// No more repeats where those so far took this long together, milliseconds.
+const ENOUGH: f64 = 3000.0;
 
 impl Stopwatch<'_> {
     /// The cost of drawing `scene`, named `name`, one way.
@@ -130,6 +134,9 @@ impl Stopwatch<'_> {
             walls.push(self.frame(renderer, &scene, rays)?);
             if let Some(timing) = &renderer.timing {
                 passes.push(timing.collect(self.gpu)?);
+            }
+            if walls.iter().sum::<f64>() > ENOUGH {
+                break;
             }
         }
         Ok((middle(walls), medians(&passes)))

@@ -23,8 +23,11 @@ const LEAST_PIXELS: usize = 20;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Errors {
     /// Root of the mean squared error over the root of the mean squared light, the variance of
-    /// the reference taken from both.
+    /// the reference taken from both; 0 where noise explains more than all of it.
     pub rmse: f64,
+    /// The square of `rmse`, and below 0 where noise explains more than all: over many pictures such
+    /// squares average to the truth, where roots cut off at 0 do not.
+    pub relative_square: f64,
     /// Mean over the pixels of |error| / light, corrected for noise by the factor by which the
     /// root of the mean square of the same ratio falls when the variance is taken off.
     pub mean_relative: f64,
@@ -96,8 +99,10 @@ impl Truth<'_> {
         let pixels = self.pixels(drawn);
         let (mean_relative, p95_relative) = relative(&pixels);
         let (bias, bias_error) = bias(&pixels);
+        let relative_square = relative_square(&pixels);
         Errors {
-            rmse: rmse(&pixels),
+            rmse: root(relative_square),
+            relative_square,
             mean_relative,
             p95_relative,
             bias,
@@ -110,10 +115,14 @@ impl Truth<'_> {
 }
 
 fn rmse(pixels: &[Pixel]) -> f64 {
+    root(relative_square(pixels))
+}
+
+fn relative_square(pixels: &[Pixel]) -> f64 {
     let noise: f64 = pixels.iter().map(|p| p.variance).sum();
     let squares: f64 = pixels.iter().map(|p| (p.drawn - p.truth).powi(2)).sum();
     let whole: f64 = pixels.iter().map(|p| p.truth * p.truth).sum();
-    root((squares - noise) / (whole - noise))
+    (squares - noise) / (whole - noise)
 }
 
 /// The root of what is above 0, and 0 of what is not or is no number.

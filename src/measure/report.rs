@@ -91,11 +91,12 @@ impl Report {
     /// A table for terminals.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:<16}{:<9}{:<10}{:>7}{:>8}{:>8}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}\n",
+            "{:<16}{:<9}{:<10}{:>7}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}\n",
             "model",
             "quality",
             "set",
             "rmse",
+            "pooled",
             "mean",
             "p95",
             "bias",
@@ -111,14 +112,37 @@ impl Report {
         for reason in &self.left_out {
             text += &format!("left out: {reason}\n");
         }
-        text
+        text + &self.legend()
+    }
+
+    /// What the columns are, and how far the references are to be trusted.
+    fn legend(&self) -> String {
+        let mut noise: Vec<f64> = self.references.iter().map(|known| known.noise).collect();
+        noise.sort_by(f64::total_cmp);
+        let (Some(worst), middle) = (noise.last(), noise.len() / 2) else { return String::new() };
+        format!(
+            "rmse, mean and p95 of |error|, and bias are shares of the clouds' light; pooled is the root of the \
+             mean squared rmse.\nThe noise of the {} references, {:.2} in the median picture and {worst:.2} \
+             at most, is taken off; psnr and flip keep it.\nwork/px: evaluations of the density and reads of noise, \
+             maps and tables. docs/benchmark.md has the definitions.\n",
+            noise.len(),
+            noise[middle],
+        )
     }
 
     fn line(&self, mean: &Mean) -> String {
         let (e, set) = (&mean.errors, mean.set);
         let mut line = format!(
-            "{:<16}{:<9}{set:<10}{:>7.3}{:>8.3}{:>8.3}{:>+8.3}{:>7.1}{:>7.3}",
-            mean.model, mean.quality, e.rmse, e.mean_relative, e.p95_relative, e.bias, e.psnr, e.flip
+            "{:<16}{:<9}{set:<10}{:>7.3}{:>8.3}{:>8.3}{:>8.3}{:>+8.3}{:>7.1}{:>7.3}",
+            mean.model,
+            mean.quality,
+            e.rmse,
+            mean.pooled_rmse,
+            e.mean_relative,
+            e.p95_relative,
+            e.bias,
+            e.psnr,
+            e.flip
         );
         if let Some(cost) = self.cost(mean.model, mean.quality) {
             // A string takes whatever it is given.

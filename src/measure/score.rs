@@ -119,6 +119,9 @@ pub struct Mean {
     pub errors: Errors,
     /// Mean of the absolute bias: those of both signs don't cancel in it.
     pub absolute_bias: f64,
+    /// Root of the mean of the squared relative RMSE: no picture's noise is cut off in it, and bad
+    /// pictures weigh more than in the mean of the RMSE.
+    pub pooled_rmse: f64,
 }
 
 /// Means over each set, for every way of drawing that has scores there.
@@ -129,7 +132,9 @@ pub fn means(ways: &[Way], scores: &[Score]) -> Vec<Mean> {
         let of = |s: &&Score| (s.model, s.quality, s.set) == (model, quality, set);
         let errors: Vec<Errors> = scores.iter().filter(of).map(|score| score.errors).collect();
         let absolute_bias = mean(errors.iter().map(|e| e.bias.abs()))?;
-        Some(Mean { model, quality, set, scenes: errors.len(), errors: mean_of(&errors), absolute_bias })
+        let pooled_rmse = mean(errors.iter().map(|e| e.relative_square))?.max(0.0).sqrt();
+        let scenes = errors.len();
+        Some(Mean { model, quality, set, scenes, errors: mean_of(&errors), absolute_bias, pooled_rmse })
     })
     .collect()
 }
@@ -138,6 +143,7 @@ fn mean_of(errors: &[Errors]) -> Errors {
     let of = |value: fn(&Errors) -> f64| mean(errors.iter().map(value)).unwrap_or_default();
     Errors {
         rmse: of(|e| e.rmse),
+        relative_square: of(|e| e.relative_square),
         mean_relative: of(|e| e.mean_relative),
         p95_relative: of(|e| e.p95_relative),
         bias: of(|e| e.bias),
@@ -162,6 +168,7 @@ mod tests {
     fn means_are_over_the_pictures_of_a_set() {
         let errors = |bias: f64, band: Option<f64>| Errors {
             rmse: bias.abs(),
+            relative_square: bias * bias - 0.01,
             mean_relative: 0.0,
             p95_relative: 0.0,
             bias,
@@ -184,6 +191,7 @@ mod tests {
         assert_eq!((found.len(), found[0].scenes, found[1].scenes), (2, 2, 1));
         assert!((found[0].errors.bias + 0.1).abs() < 1e-12 && (found[0].absolute_bias - 0.2).abs() < 1e-12);
         assert_eq!(found[0].errors.bands, [Some(0.5); 4]);
+        assert!((found[0].pooled_rmse - 0.04f64.sqrt()).abs() < 1e-12);
         // Two independent errors of 0.3.
         assert!((found[0].errors.bias_error - 0.3 / 2f64.sqrt()).abs() < 1e-12);
     }

@@ -35,10 +35,11 @@ pub struct BenchModels {
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     qualities: Vec<String>,
     /// Width and height of the pictures that are timed.
-    #[arg(long, num_args = 2, value_names = ["WIDTH", "HEIGHT"], default_values_t = [240, 136],
+    #[arg(long, num_args = 2, value_names = ["WIDTH", "HEIGHT"], default_values_t = [120, 68],
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     timing_size: Vec<u32>,
-    /// How often the time of a frame is taken; that of light, a third as often.
+    /// How often the time of a frame is taken at most; that of light, a third as often. Frames that take
+    /// seconds are timed once.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
     /// Write what is found as a page, HTML, with the error of the march.
