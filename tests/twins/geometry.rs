@@ -151,15 +151,15 @@ fn chord(x: &Wide) -> Output {
     let (o, v) = (m * (xyz(x[5]) - xyz(x[3])), m * xyz(x[6]));
     let closest = o.cross(v).length() / v.length();
     let left = (x[7][2] - closest) * (x[7][2] + closest);
-    // What rounding the rows and the point to f32 makes of the closest approach, 16 times: a graze
+    // What rounding the rows and the point to f32 makes of the closest approach, 4 times: a graze
     // decides between a hit and a miss by it, and is not compared.
     let steepest = x[..3].iter().map(|row| row[3].abs()).fold(0.0, f64::max);
-    let blur = 16.0 * f64::from(f32::EPSILON) * steepest * (xyz(x[5]).length() + xyz(x[3]).length());
+    let blur = 4.0 * f64::from(f32::EPSILON) * steepest * (xyz(x[5]).length() + xyz(x[3]).length());
     if left.abs() < blur * (closest + blur) {
         return [f64::NAN; 4];
     }
     if left < 0.0 {
-        return two(1e30, -1e30);
+        return two(f64::from(1e30f32), f64::from(-1e30f32));
     }
     let (middle, half) = (-o.dot(v) / v.length_squared(), left.sqrt() / v.length());
     two(middle - half, middle + half)

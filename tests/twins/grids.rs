@@ -225,12 +225,16 @@ fn numbers() -> Vec<Twin> {
         .over("all", 0.0, seed),
         Twin::new("interleaved_gradient", "random", "return vec4f(interleaved_gradient(x[0].xy));", |x| {
             let [a, b, c] = [0.06711056f32, 0.00583715, 52.982_918].map(f64::from);
-            let outer = c * (a * x[0][0] + b * x[0][1]).fract();
+            let inner = a * x[0][0] + b * x[0][1];
+            let outer = c * inner.fract();
             // Where rounding decides between 0 and 1, no number is right.
-            let near = (outer - outer.round()).abs() < 0.05;
+            let near = (inner - inner.round()).abs() < 1e-3
+                || (outer - outer.round()).abs() < 0.05;
             one(if near { f64::NAN } else { outer.fract() })
         })
         .edges(8.0, plane(&[0.5, 1.5, 7.5], &[0.5, 2.5]))
-        .over("pixels", 8.0, |random| scalars([(); 2].map(|()| random.between(0.0, 16_384.0).floor() + 0.5))),
+        .over("pixels", 8.0, |random| scalars([(); 2].map(|()| random.between(0.0, 16_384.0).floor() + 0.5)))
+        // The fraction of numbers up to 52.98 by 0.067 by 16 384.
+        .beside(6e4),
     ]
 }

@@ -28,6 +28,8 @@ pub struct Regime {
     pub inputs: Inputs,
     /// Largest error allowed, in units of the last place of the condition (see `Error`).
     pub bound: f64,
+    /// An amount beside which errors are nothing: the condition is at least that.
+    pub beside: f64,
 }
 
 pub enum Inputs {
@@ -46,12 +48,18 @@ impl Twin {
 
     /// Adds a grid with the edge cases.
     pub fn edges(self, bound: f64, grid: Vec<Input>) -> Self {
-        self.with(Regime { name: "edges", inputs: Inputs::Grid(grid), bound })
+        self.with(Regime { name: "edges", inputs: Inputs::Grid(grid), bound, beside: DARK })
     }
 
     /// Adds random inputs.
     pub fn over(self, name: &'static str, bound: f64, sample: fn(&mut Random) -> Input) -> Self {
-        self.with(Regime { name, inputs: Inputs::Random(sample), bound })
+        self.with(Regime { name, inputs: Inputs::Random(sample), bound, beside: DARK })
+    }
+
+    /// Judges the last regime's errors beside an amount that the result is added to.
+    pub fn beside(mut self, amount: f64) -> Self {
+        self.regimes.last_mut().unwrap().beside = amount;
+        self
     }
 
     fn with(mut self, regime: Regime) -> Self {
@@ -103,7 +111,8 @@ fn last_place(x: f64) -> f64 {
 
 /// The worst error of the places of a result, or none where none is compared. NaN of the shader
 /// is an infinite error.
-pub fn error(reference: fn(&Wide) -> Output, input: &Input, got: [f32; 4]) -> Option<Error> {
+pub fn error(twin: &Twin, regime: &Regime, input: &Input, got: [f32; 4]) -> Option<Error> {
+    let reference = twin.reference;
     let x = input.map(|v| v.map(f64::from));
     let wanted = reference(&x);
     let mut worst: Option<Error> = None;
@@ -115,7 +124,7 @@ pub fn error(reference: fn(&Wide) -> Output, input: &Input, got: [f32; 4]) -> Op
         let absolute = if got.is_nan() { f64::INFINITY } else { (got - wanted).abs() };
         let worst = worst.get_or_insert_default();
         worst.ulp = worst.ulp.max(absolute / last_place(wanted.abs()));
-        worst.conditioned = worst.conditioned.max(absolute / last_place(condition));
+        worst.conditioned = worst.conditioned.max(absolute / last_place(condition.max(regime.beside)));
         worst.relative = worst.relative.max(absolute / wanted.abs().max(DARK));
         worst.absolute = worst.absolute.max(absolute);
     }

@@ -33,8 +33,7 @@ use nephos::gpu::LIBRARY;
 const ELSEWHERE: &[(&str, &str)] = &[
     ("noise_at", "reads a texture: tests/noise.rs compares it with the baked volume"),
     ("slab_source", "reads the table: tests/slab_render.rs compares it with the reference"),
-    ("slab_fit_of", "reads sun maps, as the next: tests/slab_render.rs holds pictures against slabs"),
-    ("slab_fit", "the same"),
+    ("slab_fit", "reads sun maps, as the next: tests/slab_render.rs holds pictures against slabs"),
     ("slab_fit_kol", "the same"),
     ("slab_fit_gaussian", "the same"),
     ("slab_fit_view", "the same"),
@@ -78,7 +77,7 @@ fn shader_functions_agree_with_their_references() {
             let inputs = twin.inputs(regime, 4096);
             let mut compared = 0;
             for (input, got) in inputs.iter().zip(twin.evaluate(&inputs)) {
-                let Some(error) = error(twin.reference, input, got) else { continue };
+                let Some(error) = error(&twin, regime, input, got) else { continue };
                 compared += 1;
                 // NaN of the shader is infinitely wrong.
                 if error.conditioned > regime.bound {

@@ -109,7 +109,12 @@ fn phases() -> Vec<Twin> {
 
 fn transmittances() -> Vec<Twin> {
     vec![
-        Twin::new("mean_transmittance", "phase", "return vec4f(mean_transmittance(x[0].x, x[0].y));", |x| {
+        Twin::new("mean_through", "attenuation", "return vec4f(mean_through(x[0].x));", |x| {
+            one(mean_transmittance(0.0, x[0][0]))
+        })
+        .edges(8.0, line(&[0.0, 1e-6, 0.69, 0.7, 0.71, 1e9]))
+        .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6)])),
+        Twin::new("mean_transmittance", "attenuation", "return vec4f(mean_transmittance(x[0].x, x[0].y));", |x| {
             one(mean_transmittance(x[0][0], x[0][1]))
         })
         .edges(8.0, plane(&[0.0, 0.3, 9.0], &[0.0, 0.05, 0.3, 0.39, 9.11, 30.0]))
@@ -158,10 +163,13 @@ fn diffusion() -> Vec<Twin> {
             let thickness = random.log(1e-6, 0.1);
             slab(random, thickness)
         })
+        // What is scattered once is 1 / (4 pi) in the mean.
+        .beside(0.25 / PI)
         .over("thick", 8.0, |random| {
             let thickness = random.log(0.1, 1e3);
             slab(random, thickness)
         })
+        .beside(0.25 / PI)
         .over("thickest", 8.0, |random| {
             let thickness = random.log(1e3, 1e6);
             slab(random, thickness)

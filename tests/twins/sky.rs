@@ -65,8 +65,9 @@ fn half_azimuth_sine(x: &Wide) -> f64 {
     (0.5 * angle).sin()
 }
 
+/// Between the centres of the first and last of 32 by 16 texels and more.
 fn uv(random: &mut Random) -> [f64; 2] {
-    [random.between(0.0, 1.0), random.between(0.0, 1.0)]
+    [random.between(0.016, 0.984), random.between(0.032, 0.968)]
 }
 
 pub fn twins() -> Vec<Twin> {

@@ -8,6 +8,12 @@ use nephos::optics::slab::{SETS, axes, direct, spread};
 use crate::harness::{Input, Output, Random, Twin, Wide};
 use crate::pack::{grid, input, line, one, scalars, two, vector, xyz};
 
+const FIT: &str = "fn fit(x: array<vec4f, 8>) -> SlabFit {
+    let box = LightBox(x[0].xyz, 1.0, vec3f(0.0), 0.0, vec3f(0.0), 1u, vec3f(0.0), 1u, x[6].xyz, 0.0, x[7].xyz, 0.0,
+        x[5].xyz, x[6].w);
+    return slab_fit_of(box, x[2].xy, x[1], x[3].xyz, x[4].xyz, 1u);
+}";
+
 const VIEW: &str = "fn view(x: array<vec4f, 8>) -> SlabView {
     return SlabView(x[0].x, x[0].y, x[0].z, x[0].w, x[1].x, x[1].y);
 }";
@@ -58,6 +64,37 @@ fn slab_view(x: &Wide) -> Output {
     [-normal.dot(eye), normal.dot(sun), -cosine / across, sine / across]
 }
 
+/// Maps, lit normal, turn, and where the light flies; one lump in two nearly faces the sun.
+fn maps(random: &mut Random) -> Input {
+    let along = random.direction();
+    let coverage = random.log(1e-3, 1.0);
+    let angle = [random.between(0.0, 3.1), random.log(1e-4, 0.1)][random.index(2)];
+    let lit = coverage * random.direction_off(-along, angle);
+    let turn = random.log(1e-4, 1.0) * random.direction_off(-along, angle);
+    let depths = [random.between(0.0, 1.0), 1.0, random.log(1e-3, 1e3)].map(|x| coverage * x);
+    input([
+        [0.0; 4],
+        [depths[0], depths[1], depths[2], coverage],
+        [0.5, 0.5, 0.0, 0.0],
+        vector(lit, 0.0),
+        vector(turn, 0.0),
+        vector(along, 0.0),
+        [1e3, 0.0, 0.0, 1e3],
+        [0.0, 1e3, 0.0, 0.0],
+    ])
+}
+
+/// The mean normal, tilted towards the sun where it faces farther from it than a cosine of 0.2.
+fn fitted(x: &Wide) -> Output {
+    let to_sun = -xyz(x[5]);
+    let mean = (xyz(x[3]) / x[1][3] + xyz(x[4]) + f64::from(1e-3f32) * to_sun).normalize();
+    let across = (mean - mean.dot(to_sun) * to_sun).normalize();
+    let least = f64::from(0.2f32);
+    let tilted = mean.dot(to_sun) < least;
+    let normal = if tilted { least * to_sun + (1.0 - least * least).sqrt() * across } else { mean };
+    vector(normal, normal.dot(to_sun))
+}
+
 pub fn twins() -> Vec<Twin> {
     let mut all = views();
     all.extend(coordinates());
@@ -103,6 +140,9 @@ fn views() -> Vec<Twin> {
 
 fn coordinates() -> Vec<Twin> {
     vec![
+        Twin::new("slab_fit_of", "slab_fit", "let f = fit(x); return vec4f(f.normal, f.mu0);", fitted)
+            .declaring(FIT)
+            .over("all", 8.0, maps),
         Twin::new("slab_thickness_coordinate", "slab", "return vec4f(slab_thickness_coordinate(x[0].x));", |x| {
             one(axes::thickness_coordinate(x[0][0]).clamp(0.0, 1.0))
         })
@@ -129,7 +169,7 @@ fn coordinates() -> Vec<Twin> {
             two(direct::ln_known(x[1][2] as usize, x[0][0], x[0][1]), f64::NAN)
         })
         .over("all", 8.0, view),
-        Twin::new("slab_ln_1p", "slab_functions", "return vec4f(slab_ln_1p(x[0].x));", |x| one(x[0][0].ln_1p()))
+        Twin::new("slab_ln_1p", "slab", "return vec4f(slab_ln_1p(x[0].x));", |x| one(x[0][0].ln_1p()))
             .edges(8.0, grid(&[0.0, 1e-6, 1e-3, 1.0], &[0.0], &[0.0], &[0.0]))
             .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6)])),
     ]

@@ -6,7 +6,7 @@ use crate::common::gpu;
 use crate::harness::{Error, Inputs, Regime, Twin, error};
 
 /// Random inputs of a regime.
-const INPUTS: usize = 1 << 16;
+const INPUTS: usize = 1 << 20;
 const DOCUMENT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/numerics.md");
 const BEGIN: &str = "<!-- The table: made by the command above. -->\n";
 const END: &str = "<!-- The end of the table. -->\n";
@@ -22,6 +22,12 @@ pub fn write(twins: &[Twin]) {
             eprint!("{row}");
             rows += &row;
             if worst(&errors, |e| e.conditioned) > regime.bound {
+                if std::env::var("SHOW").is_ok() {
+                    let inputs = twin.inputs(regime, INPUTS);
+                    let got = twin.evaluate(&inputs);
+                    let (i, e) = inputs.iter().enumerate().map(|(i, x)| (i, error(twin, regime, x, got[i]).map_or(0.0, |e| e.conditioned))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+                    eprintln!("  {e} {:?} {:?} {:?}", inputs[i], got[i], (twin.reference)(&inputs[i].map(|v| v.map(f64::from))));
+                }
                 beyond.push(format!("{} over {}", twin.name, regime.name));
             }
         }
@@ -42,7 +48,7 @@ pub fn write(twins: &[Twin]) {
 fn measure(twin: &Twin, regime: &Regime) -> Vec<Error> {
     let inputs = twin.inputs(regime, INPUTS);
     let got = twin.evaluate(&inputs);
-    inputs.par_iter().zip(got).filter_map(|(input, got)| error(twin.reference, input, got)).collect()
+    inputs.par_iter().zip(got).filter_map(|(input, got)| error(twin, regime, input, got)).collect()
 }
 
 fn row(name: &str, regime: &Regime, errors: &[Error]) -> String {
