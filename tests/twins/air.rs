@@ -62,7 +62,12 @@ fn air_ray_at(x: &Wide) -> Output {
     let square = horizon_square(h) + t * (2.0 * r * mu + t);
     let radius = (GROUND * GROUND + square).sqrt();
     let altitude = square / (GROUND + radius);
-    [altitude, ((r * mu + t) / radius).clamp(-1.0, 1.0), ((r * mu_sun + t * nu) / radius).clamp(-1.0, 1.0), nu]
+    [
+        altitude,
+        ((r * mu + t) / radius).clamp(-1.0, 1.0),
+        ((r * mu_sun + t * nu) / radius).clamp(-1.0, 1.0),
+        nu,
+    ]
 }
 
 fn step_distance(x: &Wide) -> Output {
@@ -109,45 +114,56 @@ fn media() -> Vec<Twin> {
                 if x[0][1] > 0.5 { [e0, e1, e2, f64::NAN] } else { [r0, r1, r2, mie] }
             },
         )
-        .edges(8.0, plane(ALTITUDES, &[0.0, 1.0]))
-        .over("all", 8.0, |random| scalars([random.log(0.1, 1e5), random.index(2) as f64])),
+        .edges(plane(ALTITUDES, &[0.0, 1.0]))
+        .over("all", |random| scalars([random.log(0.1, 1e5), random.index(2) as f64])),
         Twin::new("rayleigh_phase", "air", "return vec4f(rayleigh_phase(x[0].x));", |x| {
             one(3.0 / (16.0 * PI) * (1.0 + x[0][0].powi(2)))
         })
-        .edges(8.0, line(COSINES))
-        .over("all", 8.0, |random| scalars([random.cosine()])),
+        .edges(line(COSINES))
+        .over("all", |random| scalars([random.cosine()])),
         Twin::new("haze_phase", "air", "return vec4f(haze_phase(x[0].x, x[0].y));", haze_phase)
-            .edges(8.0, plane(&[0.0, 0.5, 0.8], COSINES))
-            .over("all", 8.0, |random| scalars([random.between(0.0, 0.99), random.cosine()]))
-            .over("peaks", 8.0, |random| scalars([random.between(0.9, 0.99), 1.0 - random.log(1e-6, 0.01)])),
+            .edges(plane(&[0.0, 0.5, 0.8], COSINES))
+            .over("all", |random| scalars([random.between(0.0, 0.99), random.cosine()]))
+            .over("peaks", |random| scalars([random.between(0.9, 0.99), 1.0 - random.log(1e-6, 0.01)])),
     ]
 }
 
 fn spheres() -> Vec<Twin> {
     vec![
-        Twin::new("horizon_square", "air", "return vec4f(horizon_square(earth, x[0].x));", |x| one(horizon_square(x[0][0])))
-            .edges(8.0, line(ALTITUDES))
-            .over("all", 8.0, |random| scalars([random.log(0.1, 1e7)])),
-        Twin::new("square_to_top", "air", "return vec4f(square_to_top(earth, x[0].x));", |x| one(square_to_top(x[0][0])))
-            .edges(8.0, line(ALTITUDES))
-            .over("all", 8.0, |random| scalars([random.log(0.1, 1e7)])),
-        Twin::new("horizon_mu", "air", "return vec4f(horizon_mu(earth, x[0].x));", |x| one(horizon_mu(x[0][0])))
-            .edges(8.0, line(ALTITUDES))
-            .over("all", 8.0, |random| scalars([random.log(0.1, 1e7)])),
+        Twin::new("horizon_square", "air", "return vec4f(horizon_square(earth, x[0].x));", |x| {
+            one(horizon_square(x[0][0]))
+        })
+        .edges(line(ALTITUDES))
+        .over("all", |random| scalars([random.log(0.1, 1e7)])),
+        Twin::new("square_to_top", "air", "return vec4f(square_to_top(earth, x[0].x));", |x| {
+            one(square_to_top(x[0][0]))
+        })
+        .edges(line(ALTITUDES))
+        .over("all", |random| scalars([random.log(0.1, 1e7)])),
+        Twin::new("horizon_mu", "air", "return vec4f(horizon_mu(earth, x[0].x));", |x| {
+            one(horizon_mu(x[0][0]))
+        })
+        .edges(line(ALTITUDES))
+        .over("all", |random| scalars([random.log(0.1, 1e7)])),
         Twin::new("distance_to_top", "air", "return vec4f(distance_to_top(earth, x[0].x, x[0].y));", |x| {
             one(distance_to_top(x[0][0], x[0][1]))
         })
-        .edges(8.0, plane(ALTITUDES, COSINES))
-        .over("all", 8.0, |random| {
+        .edges(plane(ALTITUDES, COSINES))
+        .over("all", |random| {
             let (h, mu) = inside(random);
             scalars([h, mu])
         }),
-        Twin::new("distance_to_ground", "air", "return vec4f(distance_to_ground(earth, x[0].x, x[0].y));", |x| {
-            let (across, square) = ((GROUND + x[0][0]) * x[0][1], horizon_square(x[0][0]));
-            let root = across * across - square;
-            one(if root > 0.0 { square / (root.sqrt() - across) } else { -across })
-        })
-        .over("all", 8.0, |random| {
+        Twin::new(
+            "distance_to_ground",
+            "air",
+            "return vec4f(distance_to_ground(earth, x[0].x, x[0].y));",
+            |x| {
+                let (across, square) = ((GROUND + x[0][0]) * x[0][1], horizon_square(x[0][0]));
+                let root = across * across - square;
+                one(if root > 0.0 { square / (root.sqrt() - across) } else { -across })
+            },
+        )
+        .over("all", |random| {
             let h = random.log(0.1, 1e7);
             scalars([h, (horizon_mu(h) - random.log(1e-6, 1.0)).max(-1.0)])
         }),
@@ -158,46 +174,63 @@ fn spheres() -> Vec<Twin> {
              return vec4f(r.altitude, r.mu, r.mu_sun, r.nu);",
             air_ray_at,
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let ((h, mu), mu_sun) = (inside(random), random.cosine());
-            let nu = mu * mu_sun + ((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun)).sqrt() * random.between(-1.0, 1.0);
+            let nu =
+                mu * mu_sun + ((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun)).sqrt() * random.between(-1.0, 1.0);
             input([[h, mu, mu_sun, nu], [random.log(1.0, 1e6), 0.0, 0.0, 0.0]])
         }),
-        Twin::new("distance_to_entry", "air", "return vec4f(distance_to_entry(earth, x[0].x, x[0].y));", |x| {
-            let (across, square) = ((GROUND + x[0][0]) * x[0][1], square_to_top(x[0][0]));
-            let root = across * across + square;
-            // A graze decides between a hit and a miss by rounding.
-            let near = root.abs() < 1e-6 * across * across;
-            one(match square >= 0.0 {
-                true => 0.0,
-                false if near => f64::NAN,
-                false if across >= 0.0 || root < 0.0 => -1.0,
-                false => -square / (root.sqrt() - across),
-            })
-        })
-        .over("space", 8.0, |random| scalars([THICKNESS + random.log(1.0, 1e6), random.cosine()])),
+        Twin::new(
+            "distance_to_entry",
+            "air",
+            "return vec4f(distance_to_entry(earth, x[0].x, x[0].y));",
+            |x| {
+                let (across, square) = ((GROUND + x[0][0]) * x[0][1], square_to_top(x[0][0]));
+                let root = across * across + square;
+                // A graze decides between a hit and a miss by rounding.
+                let near = root.abs() < 1e-6 * across * across;
+                one(match square >= 0.0 {
+                    true => 0.0,
+                    false if near => f64::NAN,
+                    false if across >= 0.0 || root < 0.0 => -1.0,
+                    false => -square / (root.sqrt() - across),
+                })
+            },
+        )
+        .over("space", |random| scalars([THICKNESS + random.log(1.0, 1e6), random.cosine()])),
     ]
 }
 
 fn steps() -> Vec<Twin> {
     vec![
-        Twin::new("step_distance", "air", "return vec4f(step_distance(x[0].x, x[0].y, x[0].z));", step_distance)
-            .over("all", 8.0, |random| {
-                let length = random.log(1.0, 1e6);
-                let lowest = length * [0.0, 1.0, random.between(0.0, 1.0)][random.index(3)];
-                scalars([random.between(0.01, 1.0), lowest, length])
-            }),
-        Twin::new("lowest_distance", "air", "return vec4f(lowest_distance(earth, x[0].x, x[0].y, x[0].z));", |x| {
-            one((-(GROUND + x[0][0]) * x[0][1]).clamp(0.0, x[0][2]))
-        })
-        .over("all", 8.0, |random| {
+        Twin::new(
+            "step_distance",
+            "air",
+            "return vec4f(step_distance(x[0].x, x[0].y, x[0].z));",
+            step_distance,
+        )
+        .over("all", |random| {
+            let length = random.log(1.0, 1e6);
+            let lowest = length * [0.0, 1.0, random.between(0.0, 1.0)][random.index(3)];
+            scalars([random.between(0.01, 1.0), lowest, length])
+        }),
+        Twin::new(
+            "lowest_distance",
+            "air",
+            "return vec4f(lowest_distance(earth, x[0].x, x[0].y, x[0].z));",
+            |x| one((-(GROUND + x[0][0]) * x[0][1]).clamp(0.0, x[0][2])),
+        )
+        .over("all", |random| {
             let (h, mu) = inside(random);
             scalars([h, mu, random.log(1.0, 1e6)])
         }),
-        Twin::new("attenuated_length", "air", "return vec4f(attenuated_length(x[0].xyz, x[0].w), 0.0);", |x| {
-            each(x[0], |extinction| x[0][3] * mean_transmittance(0.0, extinction * x[0][3]))
-        })
-        .over("all", 8.0, |random| {
+        Twin::new(
+            "attenuated_length",
+            "air",
+            "return vec4f(attenuated_length(x[0].xyz, x[0].w), 0.0);",
+            |x| each(x[0], |extinction| x[0][3] * mean_transmittance(0.0, extinction * x[0][3])),
+        )
+        .over("all", |random| {
             let length = random.log(1e-3, 1e6);
             let [a, b, c] = [(); 3].map(|()| random.log(1e-6, 1e6) / length);
             scalars([a, b, c, length])
@@ -208,7 +241,8 @@ fn steps() -> Vec<Twin> {
             "let s = scattering_step(Scattering(x[0].xyz, x[1].xyz), x[2].xyz, x[3].xyz, x[0].w);
              if x[1].w > 0.5 { return vec4f(s.transmittance, 0.0); } return vec4f(s.radiance, 0.0);",
             |x| {
-                let [radiance, through, source, extinction] = [0, 1, 2, 3].map(|i| DVec3::new(x[i][0], x[i][1], x[i][2]));
+                let [radiance, through, source, extinction] =
+                    [0, 1, 2, 3].map(|i| DVec3::new(x[i][0], x[i][1], x[i][2]));
                 let length = x[0][3];
                 let gained = extinction.map(|e| length * mean_transmittance(0.0, e * length));
                 three(if x[1][3] > 0.5 {
@@ -218,7 +252,7 @@ fn steps() -> Vec<Twin> {
                 })
             },
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let length = random.log(1.0, 1e6);
             let mut three = |low, high, w| {
                 let [a, b, c] = [(); 3].map(|()| random.log(low, high));
@@ -230,15 +264,23 @@ fn steps() -> Vec<Twin> {
             let [a, b, c] = [(); 3].map(|()| random.between(0.0, 1.0));
             input([radiance, [a, b, c, part], source, extinction])
         }),
-        Twin::new("aerial_distance", "atmosphere", "return vec4f(aerial_distance(x[0].x, x[0].y, x[0].z));", |x| {
-            one(((x[0][0] + 1.0) / x[0][1]).powi(2) * x[0][2])
-        })
-        .over("all", 8.0, |random| scalars([random.index(32) as f64, 32.0, random.log(1.0, 1e6)])),
-        Twin::new("sky_view_ray", "atmosphere", "return vec4f(sky_view_ray(0.0, x[0].x, x[0].y, x[0].z).nu);", |x| {
-            let [mu, sine, mu_sun, _] = x[0];
-            let level = ((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun)).sqrt();
-            two((mu * mu_sun + level * (1.0 - 2.0 * sine * sine)).clamp(-1.0, 1.0), f64::NAN)
-        })
-        .over("all", 8.0, |random| scalars([random.cosine(), random.between(0.0, 1.0), random.cosine()])),
+        Twin::new(
+            "aerial_distance",
+            "atmosphere",
+            "return vec4f(aerial_distance(x[0].x, x[0].y, x[0].z));",
+            |x| one(((x[0][0] + 1.0) / x[0][1]).powi(2) * x[0][2]),
+        )
+        .over("all", |random| scalars([random.index(32) as f64, 32.0, random.log(1.0, 1e6)])),
+        Twin::new(
+            "sky_view_ray",
+            "atmosphere",
+            "return vec4f(sky_view_ray(0.0, x[0].x, x[0].y, x[0].z).nu);",
+            |x| {
+                let [mu, sine, mu_sun, _] = x[0];
+                let level = ((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun)).sqrt();
+                two((mu * mu_sun + level * (1.0 - 2.0 * sine * sine)).clamp(-1.0, 1.0), f64::NAN)
+            },
+        )
+        .over("all", |random| scalars([random.cosine(), random.between(0.0, 1.0), random.cosine()])),
     ]
 }

@@ -142,7 +142,9 @@ fn shot(g: f64, mu0: f64, depth: f64, thickness: f64, nu: f64) -> f64 {
 fn eddington_solves_its_equations() {
     for g in [-0.6, 0.0, 0.73, 0.9] {
         for mu0 in [0.2, 0.7, 1.0] {
-            for (depth, thickness) in [(0.0, 1e-3), (5e-4, 1e-3), (0.5, 0.5), (0.0, 5.0), (5.0, 5.0), (5.0, 30.0)] {
+            for (depth, thickness) in
+                [(0.0, 1e-3), (5e-4, 1e-3), (0.5, 0.5), (0.0, 5.0), (5.0, 5.0), (5.0, 30.0)]
+            {
                 let wanted = shot(g, mu0, depth, thickness, 0.6);
                 close(eddington(g, mu0, depth, thickness, 0.6), wanted, 1e-6, "source");
             }

@@ -114,9 +114,22 @@ fn graze(random: &mut Random) -> Input {
 
 /// Points of the unit sphere's space at a given distance from its middle.
 fn at_radius(random: &mut Random, k: f64) -> Input {
-    let (q, radii, noise) = (random.turn(), radii(random), [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]);
-    let mut x = pack(q, radii, CENTER, k * random.direction(), DVec3::X, [noise[0], noise[1], random.log(0.01, 1e3), 0.0]);
-    x[4] = [random.log(0.01, 300.0) as f32, random.log(0.01, 300.0) as f32, random.between(0.0, 1.0) as f32, 0.6];
+    let (q, radii, noise) =
+        (random.turn(), radii(random), [random.between(-1.0, 1.0), random.between(-1.0, 1.0)]);
+    let mut x = pack(
+        q,
+        radii,
+        CENTER,
+        k * random.direction(),
+        DVec3::X,
+        [noise[0], noise[1], random.log(0.01, 1e3), 0.0],
+    );
+    x[4] = [
+        random.log(0.01, 300.0) as f32,
+        random.log(0.01, 300.0) as f32,
+        random.between(0.0, 1.0) as f32,
+        0.6,
+    ];
     x
 }
 
@@ -174,10 +187,16 @@ fn matter(x: &Wide) -> Output {
     let width = f64::max(x[4][1], x[7][2]);
     let d = displaced(x, [x[7][0], x[7][1]]) + 0.5 * (width - x[4][1]);
     let extinction = x[3][3] * rise(d / width);
-    // Steady only where the deepest ellipsoid is also the densest. Where both are alike, or neither
-    // end of the rise is far, rounding decides.
+    // Where two of those that are compared are nearly alike, rounding decides: a depth is off by a
+    // few last places of the longest radius.
+    let longest = x[..3].iter().map(|row| row[3].recip()).fold(0.0, f64::max);
+    let blur = 1e-3 + 1e-6 * longest;
+    let alike = (extinction - 0.01).abs() < 1e-5 + 0.1 * blur / width;
+    if alike || [-3.0, 0.5 * width].iter().any(|end| (d - end).abs() < blur) {
+        return [f64::NAN; 4];
+    }
+    // Steady only where the deepest ellipsoid is also the densest.
     let steady = match d > -3.0 {
-        _ if (d + 3.0).abs() < 1e-3 || (extinction - 0.01).abs() < 1e-5 => f64::NAN,
         true if extinction >= 0.01 => f64::max(-d, d - width),
         false if extinction <= 0.01 => 7.0,
         _ => 0.0,
@@ -187,16 +206,23 @@ fn matter(x: &Wide) -> Output {
 
 pub fn twins() -> Vec<Twin> {
     vec![
-        Twin::new("ellipsoid_unit", "ellipsoid", "return vec4f(ellipsoid_unit(make(x), x[5].xyz, 1.0), 0.0);", unit)
-            .declaring(MAKE)
-            .edges(8.0, edges(false, ALL))
-            .over("close", 8.0, close_up)
-            .over("far", 8.0, far),
-        Twin::new("ellipsoid_depth", "ellipsoid", "return vec4f(ellipsoid_depth(make(x), x[5].xyz));", |x| one(depth(x)))
-            .declaring(MAKE)
-            .edges(8.0, edges(true, OFF_CENTER))
-            .over("within", 8.0, within)
-            .over("surface", 8.0, surface),
+        Twin::new(
+            "ellipsoid_unit",
+            "ellipsoid",
+            "return vec4f(ellipsoid_unit(make(x), x[5].xyz, 1.0), 0.0);",
+            unit,
+        )
+        .declaring(MAKE)
+        .edges(edges(false, ALL))
+        .over("close", close_up)
+        .over("far", far),
+        Twin::new("ellipsoid_depth", "ellipsoid", "return vec4f(ellipsoid_depth(make(x), x[5].xyz));", |x| {
+            one(depth(x))
+        })
+        .declaring(MAKE)
+        .edges(edges(true, OFF_CENTER))
+        .over("within", within)
+        .over("surface", surface),
         Twin::new(
             "ellipsoid_normal",
             "ellipsoid",
@@ -204,8 +230,8 @@ pub fn twins() -> Vec<Twin> {
             |x| three((map(x).transpose() * xyz(x[5])).normalize()),
         )
         .declaring(MAKE)
-        .edges(8.0, edges(true, OFF_CENTER))
-        .over("within", 8.0, within),
+        .edges(edges(true, OFF_CENTER))
+        .over("within", within),
         Twin::new(
             "ellipsoid_chord",
             "ellipsoid",
@@ -213,19 +239,19 @@ pub fn twins() -> Vec<Twin> {
             chord,
         )
         .declaring(MAKE)
-        .edges(8.0, edges(false, ALL))
-        .over("close", 8.0, close_up)
-        .over("far", 8.0, far)
-        .over("specks", 8.0, speck)
-        .over("grazes", 8.0, graze),
+        .edges(edges(false, ALL))
+        .over("close", close_up)
+        .over("far", far)
+        .over("specks", speck)
+        .over("grazes", graze),
         Twin::new(
             "noise_coordinate",
             "noise",
             "return vec4f(noise_coordinate(x[0], x[1], x[2], x[5].xyz), 0.0);",
             |x| three(DVec3::from([0, 1, 2].map(|i| xyz(x[i]).dot(xyz(x[5])) + x[i][3]))),
         )
-        .edges(8.0, edges(false, ALL))
-        .over("far", 8.0, far),
+        .edges(edges(false, ALL))
+        .over("far", far),
         Twin::new(
             "noise_sum",
             "noise",
@@ -235,14 +261,14 @@ pub fn twins() -> Vec<Twin> {
                 two((x[0][0] + w * x[0][2]) / (1.0 + w), (x[0][1] + w * x[0][3]) / (1.0 + w))
             },
         )
-        .edges(8.0, weighted(grid(&[-1.0, 0.3], &[0.5, 1.0], &[-1.0, 0.1], &[0.7])))
-        .over("all", 8.0, |random| {
+        .edges(weighted(grid(&[-1.0, 0.3], &[0.5, 1.0], &[-1.0, 0.1], &[0.7])))
+        .over("all", |random| {
             let noise = [(); 4].map(|()| random.between(-1.0, 1.0));
             input([noise, [random.between(0.0, 1.0), 0.0, 0.0, 0.0]])
         }),
         Twin::new("smooth_rise", "density", "return vec4f(smooth_rise(x[0].x));", |x| one(rise(x[0][0])))
-            .edges(8.0, line(&[-1.0, 0.0, 1e-3, 0.2, 0.5, 0.9, 1.0, 3.0]))
-            .over("all", 8.0, |random| input([[random.log(1e-6, 2.0), 0.0, 0.0, 0.0]])),
+            .edges(line(&[-1.0, 0.0, 1e-3, 0.2, 0.5, 0.9, 1.0, 3.0]))
+            .over("all", |random| input([[random.log(1e-6, 2.0), 0.0, 0.0, 0.0]])),
         Twin::new(
             "displaced_depth",
             "density",
@@ -250,8 +276,8 @@ pub fn twins() -> Vec<Twin> {
             |x| one(10.0 - depth(x) + displaced(x, [x[7][0], x[7][1]])),
         )
         .declaring(MAKE)
-        .edges(8.0, edges(true, OFF_CENTER))
-        .over("within", 8.0, within),
+        .edges(edges(true, OFF_CENTER))
+        .over("within", within),
         Twin::new(
             "matter_with",
             "density",
@@ -260,9 +286,9 @@ pub fn twins() -> Vec<Twin> {
             matter,
         )
         .declaring(MAKE)
-        .edges(8.0, edges(true, OFF_SURFACE))
-        .over("within", 8.0, within)
-        .over("surface", 8.0, surface),
+        .edges(edges(true, OFF_SURFACE))
+        .over("within", within)
+        .over("surface", surface),
     ]
 }
 

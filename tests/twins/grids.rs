@@ -117,8 +117,8 @@ fn boxes() -> Vec<Twin> {
             |x| three(rows(x) * (xyz(x[1]) - xyz(x[0]))),
         )
         .declaring(LEANING)
-        .edges(8.0, corners())
-        .over("all", 8.0, boxed),
+        .edges(corners())
+        .over("all", boxed),
         Twin::new(
             "light_box_point",
             "light_box",
@@ -126,15 +126,16 @@ fn boxes() -> Vec<Twin> {
             |x| three(xyz(x[0]) + x[2][0] * xyz(x[6]) + x[2][1] * xyz(x[7]) + x[2][2] * x[6][3] * along(x)),
         )
         .declaring(LEANING)
-        .edges(8.0, corners())
-        .over("all", 8.0, boxed),
+        .edges(corners())
+        .over("all", boxed),
         Twin::new(
             "light_box_bricks",
             "light_box",
             "return vec4f(vec3f(light_box_bricks(vec3u(x[0].xyz))), 0.0);",
             |x| three((xyz(x[0]).floor() / 8.0).ceil()),
         )
-        .edges(0.0, grid(&[1.0, 8.0, 9.0, 128.0], &[7.0, 16.0], &[8.0, 65.0], &[0.0])),
+        .exact()
+        .edges(grid(&[1.0, 8.0, 9.0, 128.0], &[7.0, 16.0], &[8.0, 65.0], &[0.0])),
         Twin::new(
             "light_box_brick",
             "light_box",
@@ -147,7 +148,13 @@ fn boxes() -> Vec<Twin> {
                 one(brick.x + 3.0 * (brick.y + brick.z))
             },
         )
-        .edges(0.0, grid(&[-0.3, 0.0, 0.39, 0.41, 1.0], &[0.0, 0.99, 2.0], &[-0.1, 0.24, 0.26, 0.98, 1.0], &[0.0])),
+        .exact()
+        .edges(grid(
+            &[-0.3, 0.0, 0.39, 0.41, 1.0],
+            &[0.0, 0.99, 2.0],
+            &[-0.1, 0.24, 0.26, 0.98, 1.0],
+            &[0.0],
+        )),
         Twin::new(
             "light_box_normal",
             "light_box",
@@ -155,8 +162,8 @@ fn boxes() -> Vec<Twin> {
             |x| three(normal(x)),
         )
         .declaring(LEANING)
-        .edges(8.0, corners())
-        .over("all", 8.0, sloping),
+        .edges(corners())
+        .over("all", sloping),
     ]
 }
 
@@ -164,19 +171,27 @@ fn fields() -> Vec<Twin> {
     vec![
         Twin::new("field_cells", "field", "return vec4f(f32(field_cells(field())));", |_| one(140.0))
             .declaring(FIELD)
-            .edges(0.0, line(&[0.0])),
+            .exact()
+            .edges(line(&[0.0])),
         Twin::new("field_index", "field", "return vec4f(f32(field_index(field(), vec3u(x[0].xyz))));", |x| {
             let at = xyz(x[0]).floor();
             one(at.x + 5.0 * (at.y + 7.0 * at.z))
         })
         .declaring(FIELD)
-        .edges(0.0, grid(&[0.0, 4.0], &[0.0, 3.0, 6.0], &[0.0, 3.0], &[0.0])),
-        Twin::new("field_place", "field", "return vec4f(vec3f(field_place(field(), u32(x[0].x))), 0.0);", |x| {
-            let index = x[0][0].floor();
-            three(DVec3::new(index % 5.0, (index / 5.0).floor() % 7.0, (index / 35.0).floor()))
-        })
+        .exact()
+        .edges(grid(&[0.0, 4.0], &[0.0, 3.0, 6.0], &[0.0, 3.0], &[0.0])),
+        Twin::new(
+            "field_place",
+            "field",
+            "return vec4f(vec3f(field_place(field(), u32(x[0].x))), 0.0);",
+            |x| {
+                let index = x[0][0].floor();
+                three(DVec3::new(index % 5.0, (index / 5.0).floor() % 7.0, (index / 35.0).floor()))
+            },
+        )
         .declaring(FIELD)
-        .edges(0.0, line(&[0.0, 4.0, 5.0, 34.0, 35.0, 139.0])),
+        .exact()
+        .edges(line(&[0.0, 4.0, 5.0, 34.0, 35.0, 139.0])),
         // Three fields of four layers: half a texel is left to the neighbours.
         Twin::new(
             "field_coordinate",
@@ -188,8 +203,8 @@ fn fields() -> Vec<Twin> {
                 three(DVec3::new(u, v, (block.floor() + unit.clamp(0.125, 0.875)) / 3.0))
             },
         )
-        .edges(8.0, plane(&[0.0, 0.1, 0.5, 0.8, 1.0], &[0.0, 1.0, 2.0]))
-        .over("all", 8.0, |random| scalars([random.between(0.0, 1.0), random.index(3) as f64])),
+        .edges(plane(&[0.0, 0.1, 0.5, 0.8, 1.0], &[0.0, 1.0, 2.0]))
+        .over("all", |random| scalars([random.between(0.0, 1.0), random.index(3) as f64])),
     ]
 }
 
@@ -204,13 +219,15 @@ fn numbers() -> Vec<Twin> {
                 two(f64::from(word >> 8), f64::from(state >> 8))
             },
         )
-        .edges(0.0, seeds())
-        .over("all", 0.0, seed),
+        .exact()
+        .edges(seeds())
+        .over("all", seed),
         Twin::new("uniform_random", "path_random", "var s = u32(x[0].x); return vec4f(uniform_random(&s));", |x| {
             one(f64::from(pcg(x[0][0] as u32).0 >> 8) / 16_777_216.0)
         })
-        .edges(0.0, seeds())
-        .over("all", 0.0, seed),
+        .exact()
+        .edges(seeds())
+        .over("all", seed),
         Twin::new(
             "hash_random",
             "path_random",
@@ -221,8 +238,9 @@ fn numbers() -> Vec<Twin> {
                 one(f64::from(pcg(first ^ sample.wrapping_mul(3_812_015_801)).0 >> 8))
             },
         )
-        .edges(0.0, seeds())
-        .over("all", 0.0, seed),
+        .exact()
+        .edges(seeds())
+        .over("all", seed),
         Twin::new("interleaved_gradient", "random", "return vec4f(interleaved_gradient(x[0].xy));", |x| {
             let [a, b, c] = [0.06711056f32, 0.00583715, 52.982_918].map(f64::from);
             let inner = a * x[0][0] + b * x[0][1];
@@ -232,8 +250,8 @@ fn numbers() -> Vec<Twin> {
                 || (outer - outer.round()).abs() < 0.05;
             one(if near { f64::NAN } else { outer.fract() })
         })
-        .edges(8.0, plane(&[0.5, 1.5, 7.5], &[0.5, 2.5]))
-        .over("pixels", 8.0, |random| scalars([(); 2].map(|()| random.between(0.0, 16_384.0).floor() + 0.5)))
+        .edges(plane(&[0.5, 1.5, 7.5], &[0.5, 2.5]))
+        .over("pixels", |random| scalars([(); 2].map(|()| random.between(0.0, 16_384.0).floor() + 0.5)))
         // The fraction of numbers up to 52.98 by 0.067 by 16 384.
         .beside(6e4),
     ]

@@ -25,8 +25,9 @@ mod scattering;
 mod sky;
 mod slab;
 mod table;
+mod textbook;
 
-use harness::{Twin, error};
+use harness::{Regime, Twin, error};
 use nephos::gpu::LIBRARY;
 
 /// Without a twin, with the reason.
@@ -69,34 +70,42 @@ fn twins() -> Vec<Twin> {
     .collect()
 }
 
+/// Every input of a regime, at most thousands, whose error is beyond the twin's bound.
+fn failures(twin: &Twin, regime: &Regime) -> Vec<String> {
+    let inputs = twin.inputs(regime, 4096);
+    let pairs = inputs.iter().zip(twin.evaluate(&inputs));
+    let compared: Vec<_> =
+        pairs.filter_map(|(x, got)| Some((x, got, error(twin, regime, x, got)?))).collect();
+    assert!(!compared.is_empty(), "{} over {} compares nothing", twin.name, regime.name);
+    let beyond = compared.into_iter().filter(|(.., error)| error.conditioned > twin.bound);
+    beyond
+        .map(|(input, got, error)| {
+            let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
+            let (name, regime, ulp) = (twin.name, regime.name, error.conditioned);
+            format!("{name} over {regime}: {ulp:.1} ULP, {got:?} for {wanted:?} at {input:?}")
+        })
+        .collect()
+}
+
 #[test]
 fn shader_functions_agree_with_their_references() {
-    let mut failures = Vec::new();
-    for twin in twins() {
-        for regime in &twin.regimes {
-            let inputs = twin.inputs(regime, 4096);
-            let mut compared = 0;
-            for (input, got) in inputs.iter().zip(twin.evaluate(&inputs)) {
-                let Some(error) = error(&twin, regime, input, got) else { continue };
-                compared += 1;
-                // NaN of the shader is infinitely wrong.
-                if error.conditioned > regime.bound {
-                    let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
-                    failures.push(format!(
-                        "{} over {}: {:.1} ULP, {got:?} for {wanted:?} at {input:?}",
-                        twin.name, regime.name, error.conditioned
-                    ));
-                }
-            }
-            assert!(compared > 0, "{} over {} compares nothing", twin.name, regime.name);
-        }
-    }
+    let twins = twins();
+    let all = twins.iter().flat_map(|twin| twin.regimes.iter().map(move |regime| (twin, regime)));
+    let failures: Vec<_> = all.flat_map(|(twin, regime)| failures(twin, regime)).collect();
     assert!(
         failures.is_empty(),
         "{} differences, first:\n{}",
         failures.len(),
         failures[..failures.len().min(12)].join("\n")
     );
+}
+
+#[test]
+fn forms_of_the_textbook_fail() {
+    let mut forms = textbook::forms(twins());
+    forms.retain(|form| form.regimes.iter().all(|regime| failures(form, regime).is_empty()));
+    let names: Vec<_> = forms.iter().map(|form| form.name).collect();
+    assert!(names.is_empty(), "as the textbook has them these would pass: {names:?}");
 }
 
 #[test]
@@ -115,5 +124,5 @@ fn every_shader_function_has_a_twin() {
 #[test]
 #[ignore = "minutes of random inputs; writes docs/numerics.md"]
 fn the_table_of_docs_numerics() {
-    table::write(&twins());
+    table::write(twins);
 }

@@ -65,4 +65,3 @@ pub fn plane(a: &[f32], b: &[f32]) -> Vec<Input> {
 pub fn each(v: [f64; 4], f: impl Fn(f64) -> f64) -> Output {
     [f(v[0]), f(v[1]), f(v[2]), f64::NAN]
 }
-

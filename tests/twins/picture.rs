@@ -105,9 +105,11 @@ fn camera() -> Vec<Twin> {
             camera_ray,
         )
         .declaring(CAMERA)
-        .edges(8.0, grid(&[-1.0, 0.0, 0.4], &[-0.7, 0.0, 1.0], &[0.0, 1.0, 2.0], &[0.0]))
-        .over("perspective", 8.0, |random| scalars([random.between(-1.0, 1.0), random.between(-1.0, 1.0), 0.0]))
-        .over("panorama", 8.0, |random| scalars([random.between(-1.0, 1.0), random.between(-1.0, 1.0), 2.0])),
+        .edges(grid(&[-1.0, 0.0, 0.4], &[-0.7, 0.0, 1.0], &[0.0, 1.0, 2.0], &[0.0]))
+        // Parts of a unit vector: pi is rounded.
+        .beside(1.0)
+        .over("perspective", |random| scalars([random.between(-1.0, 1.0), random.between(-1.0, 1.0), 0.0]))
+        .over("panorama", |random| scalars([random.between(-1.0, 1.0), random.between(-1.0, 1.0), 2.0])),
         Twin::new(
             "pixel_ndc",
             "camera",
@@ -117,8 +119,8 @@ fn camera() -> Vec<Twin> {
                 two(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height)
             },
         )
-        .edges(8.0, grid(&[0.0, 0.5, 40.0], &[0.0, 19.5], &[40.0], &[20.0]))
-        .over("all", 8.0, |random| {
+        .edges(grid(&[0.0, 0.5, 40.0], &[0.0, 19.5], &[40.0], &[20.0]))
+        .over("all", |random| {
             let size = [(); 2].map(|()| random.log(1.0, 16_384.0).ceil());
             let pixel = size.map(|size| random.between(0.0, size).floor() + 0.5);
             scalars([pixel[0], pixel[1], size[0], size[1]])
@@ -129,28 +131,28 @@ fn camera() -> Vec<Twin> {
             "var c: Camera; c.pixel = 0.25; c.projection = u32(x[0].y); return vec4f(pixel_footprint(c, x[0].x));",
             |x| one(if x[0][1] as u32 == 1 { 0.25 } else { 0.25 * x[0][0] }),
         )
-        .edges(0.0, plane(&[0.0, 8.0], &[0.0, 1.0, 2.0])),
+        .edges(plane(&[0.0, 8.0], &[0.0, 1.0, 2.0])),
     ]
 }
 
 fn curves() -> Vec<Twin> {
     vec![
         Twin::new("filmic", "tonemap", "return vec4f(filmic(x[0].xyz), 0.0);", |x| each(x[0], filmic))
-            .edges(8.0, lights())
-            .over("all", 8.0, light),
+            .edges(lights())
+            .over("all", light),
         Twin::new("soft", "tonemap", "return vec4f(soft(x[0].xyz), 0.0);", |x| each(x[0], soft))
-            .edges(8.0, lights())
-            .over("all", 8.0, light),
+            .edges(lights())
+            .over("all", light),
         Twin::new(
             "tone_curve",
             "tonemap",
             "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(2u, x[0].xxx).x, 0.0);",
             |x| three(DVec3::new(filmic(x[0][0]), soft(x[0][0]), x[0][0].min(1.0))),
         )
-        .edges(8.0, line(&[0.0, 0.18, 2.0])),
+        .edges(line(&[0.0, 0.18, 2.0])),
         Twin::new("srgb_encode", "tonemap", "return vec4f(srgb_encode(x[0].xyz), 0.0);", |x| each(x[0], srgb))
-            .edges(8.0, grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]))
-            .over("all", 8.0, |random| scalars([(); 3].map(|()| random.log(1e-6, 1.0)))),
+            .edges(grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]))
+            .over("all", |random| scalars([(); 3].map(|()| random.log(1e-6, 1.0)))),
     ]
 }
 
@@ -159,22 +161,22 @@ fn spherical() -> Vec<Twin> {
         Twin::new("harmonics_low", "harmonics", "return harmonics_low(x[0].xyz);", |x| {
             harmonics(x, [(0, 0), (1, 1), (1, -1), (1, 0)])
         })
-        .edges(8.0, all_around())
-        .over("all", 8.0, direction),
+        .edges(all_around())
+        .over("all", direction),
         Twin::new("harmonics_square", "harmonics", "return harmonics_square(x[0].xyz);", |x| {
             harmonics(x, [(2, -2), (2, -1), (2, 1), (2, 0)])
         })
-        .edges(8.0, all_around())
-        .over("all", 8.0, direction),
+        .edges(all_around())
+        .over("all", direction),
         Twin::new("harmonics_mixed", "harmonics", "return harmonics_mixed(x[0].xyz);", |x| {
             harmonics(x, [(2, 2), (3, -3), (3, -2), (3, -1)])
         })
-        .edges(8.0, all_around())
-        .over("all", 8.0, direction),
+        .edges(all_around())
+        .over("all", direction),
         Twin::new("harmonics_cubic", "harmonics", "return harmonics_cubic(x[0].xyz);", |x| {
             harmonics(x, [(3, 0), (3, 1), (3, 2), (3, 3)])
         })
-        .edges(8.0, all_around())
-        .over("all", 8.0, direction),
+        .edges(all_around())
+        .over("all", direction),
     ]
 }

@@ -73,37 +73,42 @@ fn phases() -> Vec<Twin> {
         Twin::new("phase_coordinate", "phase", "return vec4f(phase_coordinate(x[0].xyz, x[1].xyz));", |x| {
             one(phase_coordinate(x))
         })
-        .edges(8.0, turned(&[0.0, 1e-3, 0.01, 0.1, 0.5, 1.0, 1.55, 1.6, 2.5, 3.1, 3.135, PI]))
-        .over("all", 8.0, |random| {
+        .edges(turned(&[0.0, 1e-3, 0.01, 0.1, 0.5, 1.0, 1.55, 1.6, 2.5, 3.1, 3.135, PI]))
+        .over("all", |random| {
             let angle = random.between(0.0, PI);
             directions(random, angle)
         })
-        .over("forward", 8.0, |random| {
+        .over("forward", |random| {
             let angle = random.log(1e-6, 0.1);
             directions(random, angle)
         })
-        .over("backward", 8.0, |random| {
+        .over("backward", |random| {
             let angle = PI - random.log(1e-6, 0.1);
             directions(random, angle)
         }),
         Twin::new("asin_small", "phase", "return vec4f(asin_small(x[0].x));", |x| one(x[0][0].asin()))
-            .edges(8.0, line(&[0.0, 1e-4, 0.1, 0.3, 0.6, 0.707]))
-            .over("all", 8.0, |random| scalars([random.log(1e-6, 0.7071)])),
+            .edges(line(&[0.0, 1e-4, 0.1, 0.3, 0.6, 0.707]))
+            .over("all", |random| scalars([random.log(1e-6, 0.707)])),
         Twin::new("octave_phase", "octaves", "return vec4f(octave_phase(x[0].x, x[0].y));", |x| {
             one(henyey_greenstein(x[0][0], x[0][1]))
         })
-        .edges(8.0, plane(&[-0.5, 0.0, 0.3, 0.73], &[-1.0, -0.2, 0.0, 0.9, 1.0]))
-        .over("all", 8.0, |random| scalars([random.asymmetry(), random.cosine()]))
-        .over("peaks", 8.0, |random| {
+        .edges(plane(&[-0.5, 0.0, 0.3, 0.73], &[-1.0, -0.2, 0.0, 0.9, 1.0]))
+        .over("all", |random| scalars([random.asymmetry(), random.cosine()]))
+        .over("peaks", |random| {
             let (side, g) = (random.sign(), random.between(0.9, 0.99));
             scalars([side * g, side * (1.0 - random.log(1e-6, 0.01))])
         }),
-        Twin::new("octave_phases", "octaves", "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);", |x| {
-            let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
-            two(octave(0.5), octave(0.25))
-        })
-        .edges(8.0, plane(&[-0.5, 0.0, 0.73], &[-1.0, 0.0, 0.9, 1.0]))
-        .over("all", 8.0, |random| scalars([random.asymmetry(), random.cosine()])),
+        Twin::new(
+            "octave_phases",
+            "octaves",
+            "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);",
+            |x| {
+                let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
+                two(octave(0.5), octave(0.25))
+            },
+        )
+        .edges(plane(&[-0.5, 0.0, 0.73], &[-1.0, 0.0, 0.9, 1.0]))
+        .over("all", |random| scalars([random.asymmetry(), random.cosine()])),
     ]
 }
 
@@ -112,41 +117,44 @@ fn transmittances() -> Vec<Twin> {
         Twin::new("mean_through", "attenuation", "return vec4f(mean_through(x[0].x));", |x| {
             one(mean_transmittance(0.0, x[0][0]))
         })
-        .edges(8.0, line(&[0.0, 1e-6, 0.69, 0.7, 0.71, 1e9]))
-        .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6)])),
-        Twin::new("mean_transmittance", "attenuation", "return vec4f(mean_transmittance(x[0].x, x[0].y));", |x| {
-            one(mean_transmittance(x[0][0], x[0][1]))
-        })
-        .edges(8.0, plane(&[0.0, 0.3, 9.0], &[0.0, 0.05, 0.3, 0.39, 9.11, 30.0]))
-        .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6), random.log(1e-6, 1e6)]))
-        .over("alike", 8.0, |random| {
+        .edges(line(&[0.0, 1e-6, 0.69, 0.7, 0.71, 1e9]))
+        .over("all", |random| scalars([random.log(1e-6, 1e6)])),
+        Twin::new(
+            "mean_transmittance",
+            "attenuation",
+            "return vec4f(mean_transmittance(x[0].x, x[0].y));",
+            |x| one(mean_transmittance(x[0][0], x[0][1])),
+        )
+        .edges(plane(&[0.0, 0.3, 9.0], &[0.0, 0.05, 0.3, 0.39, 9.11, 30.0]))
+        .over("all", |random| scalars([random.log(1e-6, 1e6), random.log(1e-6, 1e6)]))
+        .over("alike", |random| {
             let a = random.log(1e-3, 30.0);
             scalars([a, a * (1.0 + random.sign() * random.log(1e-6, 0.9))])
         }),
         Twin::new("sunlight_share", "phase", "return vec4f(sunlight_share(x[0].x, x[0].y, x[0].z));", |x| {
             one(sunlight_share(x[0][0], x[0][1], x[0][2]))
         })
-        .edges(8.0, grid(&[0.0, 1e-3, 0.3, 5.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 4.0, 9.0], &[0.0]))
-        .over("all", 8.0, stretch)
-        .over("alike", 8.0, alike),
+        .edges(grid(&[0.0, 1e-3, 0.3, 5.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 4.0, 9.0], &[0.0]))
+        .over("all", stretch)
+        .over("alike", alike),
         Twin::new(
             "octave_transmittances",
             "octaves",
             "return vec4f(octave_transmittances(x[0].x, x[0].y, x[0].z), 0.0, 0.0);",
             octave_transmittances,
         )
-        .edges(8.0, grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]))
-        .over("all", 8.0, stretch)
-        .over("alike", 8.0, alike),
+        .edges(grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]))
+        .over("all", stretch)
+        .over("alike", alike),
         Twin::new("recovered_peak", "phase", "return vec4f(recovered_peak(x[0].x, x[0].y));", |x| {
             let [tau, chop, ..] = x[0];
             // Light that the peak scattered at depth s and nothing else touched, added up over orders:
             // e^{-(1-f) tau} (1 - e^{-f tau}).
             one((-(1.0 - chop) * tau).exp() * -(-chop * tau).exp_m1())
         })
-        .edges(8.0, plane(&[0.0, 1e-3, 0.5, 3.0, 40.0, 1e4], &[0.0, 0.45, 0.9]))
-        .over("thin", 8.0, |random| scalars([random.log(1e-6, 0.1), random.between(0.0, 0.95)]))
-        .over("thick", 8.0, |random| scalars([random.log(0.1, 1e6), random.between(0.0, 0.95)])),
+        .edges(plane(&[0.0, 1e-3, 0.5, 3.0, 40.0, 1e4], &[0.0, 0.45, 0.9]))
+        .over("thin", |random| scalars([random.log(1e-6, 0.1), random.between(0.0, 0.95)]))
+        .over("thick", |random| scalars([random.log(0.1, 1e6), random.between(0.0, 0.95)])),
     ]
 }
 
@@ -158,44 +166,47 @@ fn diffusion() -> Vec<Twin> {
             "return vec4f(eddington_beam(x[0].x, x[0].y, x[0].z, x[0].w, x[1].x));",
             |x| one(eddington(x[0][0], x[0][1], x[0][2], x[0][3], x[1][0])),
         )
-        .edges(8.0, slabs())
-        .over("thin", 8.0, |random| {
+        .edges(slabs())
+        .over("thin", |random| {
             let thickness = random.log(1e-6, 0.1);
             slab(random, thickness)
         })
         // What is scattered once is 1 / (4 pi) in the mean.
         .beside(0.25 / PI)
-        .over("thick", 8.0, |random| {
+        .over("thick", |random| {
             let thickness = random.log(0.1, 1e3);
             slab(random, thickness)
         })
         .beside(0.25 / PI)
-        .over("thickest", 8.0, |random| {
+        .over("thickest", |random| {
             let thickness = random.log(1e3, 1e6);
             slab(random, thickness)
         }),
-        Twin::new("diffuse_conductance", "eddington", "return vec4f(diffuse_conductance(x[0].x, x[0].y));", |x| {
-            one(3.0 / (2.0 + 3.0 * (1.0 - x[0][0]) * x[0][1]))
-        })
-        .edges(8.0, plane(&[0.0, 0.73], &[0.0, 1.0, 50.0]))
-        .over("all", 8.0, |random| scalars([random.asymmetry(), random.log(1e-6, 1e6)])),
+        Twin::new(
+            "diffuse_conductance",
+            "eddington",
+            "return vec4f(diffuse_conductance(x[0].x, x[0].y));",
+            |x| one(3.0 / (2.0 + 3.0 * (1.0 - x[0][0]) * x[0][1])),
+        )
+        .edges(plane(&[0.0, 0.73], &[0.0, 1.0, 50.0]))
+        .over("all", |random| scalars([random.asymmetry(), random.log(1e-6, 1e6)])),
         Twin::new("side_loss", "eddington", "return vec4f(side_loss(x[0].x, x[0].y));", |x| {
             // Two faces alone are a slab.
             one(1.0 / (1.0 + 0.3 * x[0][1].max(0.0) / x[0][0]))
         })
-        .edges(8.0, plane(&[0.1, 1.0, 3.0], &[-0.5, 0.0, 0.2, 6.0]))
-        .over("all", 8.0, |random| scalars([random.log(1e-6, 3.0), random.log(1e-6, 6.0)])),
+        .edges(plane(&[0.1, 1.0, 3.0], &[-0.5, 0.0, 0.2, 6.0]))
+        .over("all", |random| scalars([random.log(1e-6, 3.0), random.log(1e-6, 6.0)])),
         Twin::new("diffuse_depth", "eddington", "return vec4f(diffuse_depth(x[0].x, x[0].y));", |x| {
             one((1.0 / x[0][1] - 2.0 / 3.0).max(0.0) / (1.0 - x[0][0]))
         })
-        .edges(8.0, plane(&[0.0, 0.73, 0.9], &[1.5, 0.9, 0.1]))
-        .over("all", 8.0, |random| scalars([random.asymmetry(), random.log(1e-6, 1.5)])),
+        .edges(plane(&[0.0, 0.73, 0.9], &[1.5, 0.9, 0.1]))
+        .over("all", |random| scalars([random.asymmetry(), random.log(1e-6, 1.5)])),
         Twin::new("absorbed", "eddington", "return vec4f(absorbed(x[0].x, x[0].y, x[0].z));", |x| {
             let [albedo, g, tau, _] = x[0];
             one((-(3.0 * (1.0 - albedo) * (1.0 - albedo * g)).sqrt() * tau).exp())
         })
-        .edges(8.0, grid(&[1.0, 0.99, 0.5, 0.0], &[0.0, 0.73], &[0.0, 1.0, 20.0], &[0.0]))
-        .over("all", 8.0, |random| {
+        .edges(grid(&[1.0, 0.99, 0.5, 0.0], &[0.0, 0.73], &[0.0, 1.0, 20.0], &[0.0]))
+        .over("all", |random| {
             scalars([1.0 - random.log(1e-6, 1.0), random.asymmetry(), random.log(1e-6, 1e6)])
         }),
     ]

@@ -19,7 +19,10 @@ fn transmittance_uv(x: &Wide) -> Output {
     let [h, mu, ..] = x[0];
     let (rho, whole) = (horizon_square(h).sqrt(), horizon_square(THICKNESS).sqrt());
     let (near, far) = (THICKNESS - h, rho + whole);
-    two(texel(((distance_to_top(h, mu) - near) / (far - near)).clamp(0.0, 1.0), 256.0), texel(rho / whole, 64.0))
+    two(
+        texel(((distance_to_top(h, mu) - near) / (far - near)).clamp(0.0, 1.0), 256.0),
+        texel(rho / whole, 64.0),
+    )
 }
 
 fn transmittance_point(x: &Wide) -> Output {
@@ -81,18 +84,18 @@ fn tables() -> Vec<Twin> {
         Twin::new("texel_from_unit", "atmosphere", "return vec4f(texel_from_unit(x[0].x, x[0].y));", |x| {
             one(texel(x[0][0], x[0][1]))
         })
-        .over("all", 8.0, |random| scalars([random.between(0.0, 1.0), random.log(2.0, 1024.0).ceil()])),
+        .over("all", |random| scalars([random.between(0.0, 1.0), random.log(2.0, 1024.0).ceil()])),
         Twin::new("unit_from_texel", "atmosphere", "return vec4f(unit_from_texel(x[0].x, x[0].y));", |x| {
             one((x[0][0] * x[0][1] - 0.5) / (x[0][1] - 1.0))
         })
-        .over("all", 8.0, |random| scalars([random.between(0.0, 1.0), random.log(2.0, 1024.0).ceil()])),
+        .over("all", |random| scalars([random.between(0.0, 1.0), random.log(2.0, 1024.0).ceil()])),
         Twin::new(
             "transmittance_uv",
             "atmosphere",
             "return vec4f(transmittance_uv(earth, vec2f(256.0, 64.0), x[0].x, x[0].y), 0.0, 0.0);",
             transmittance_uv,
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let (h, mu) = inside(random);
             scalars([h, mu.max(horizon_mu(h))])
         }),
@@ -102,35 +105,44 @@ fn tables() -> Vec<Twin> {
             "return vec4f(transmittance_point(earth, vec2f(256.0, 64.0), x[0].xy), 0.0, 0.0);",
             transmittance_point,
         )
-        .over("all", 8.0, |random| scalars(uv(random))),
-        Twin::new("sun_visibility", "atmosphere", "return vec4f(sun_visibility(earth, x[0].x, x[0].y));", |x| {
-            let [h, mu, ..] = x[0];
-            let width = f64::from(0.004625f32) * GROUND / (GROUND + h);
-            let y = ((mu - horizon_mu(h)) / width).clamp(-1.0, 1.0) * 0.5 + 0.5;
-            one(y * y * (3.0 - 2.0 * y))
-        })
-        .over("all", 8.0, |random| {
+        .over("all", |random| scalars(uv(random))),
+        Twin::new(
+            "sun_visibility",
+            "atmosphere",
+            "return vec4f(sun_visibility(earth, x[0].x, x[0].y));",
+            |x| {
+                let [h, mu, ..] = x[0];
+                let width = f64::from(0.004625f32) * GROUND / (GROUND + h);
+                let y = ((mu - horizon_mu(h)) / width).clamp(-1.0, 1.0) * 0.5 + 0.5;
+                one(y * y * (3.0 - 2.0 * y))
+            },
+        )
+        .over("all", |random| {
             let h = random.log(0.1, 1e5);
             scalars([h, horizon_mu(h) + random.between(-0.006, 0.006)])
         }),
-        Twin::new("unit_from_mu_sun", "atmosphere", "return vec4f(unit_from_mu_sun(x[0].x));", |x| one(bend(x[0][0])))
-            .over("all", 8.0, |random| scalars([random.cosine()])),
-        Twin::new("mu_sun_from_unit", "atmosphere", "return vec4f(mu_sun_from_unit(x[0].x));", |x| one(unbend(x[0][0])))
-            .over("all", 8.0, |random| scalars([random.between(0.0, 1.0)])),
+        Twin::new("unit_from_mu_sun", "atmosphere", "return vec4f(unit_from_mu_sun(x[0].x));", |x| {
+            one(bend(x[0][0]))
+        })
+        .over("all", |random| scalars([random.cosine()])),
+        Twin::new("mu_sun_from_unit", "atmosphere", "return vec4f(mu_sun_from_unit(x[0].x));", |x| {
+            one(unbend(x[0][0]))
+        })
+        .over("all", |random| scalars([random.between(0.0, 1.0)])),
         Twin::new(
             "multiple_uv",
             "atmosphere",
             "return vec4f(multiple_uv(earth, vec2f(32.0, 16.0), x[0].x, x[0].y), 0.0, 0.0);",
             |x| two(texel(bend(x[0][1]), 32.0), texel((x[0][0] / THICKNESS).min(1.0).sqrt(), 16.0)),
         )
-        .over("all", 8.0, |random| scalars([random.log(0.1, 1e5), random.cosine()])),
+        .over("all", |random| scalars([random.log(0.1, 1e5), random.cosine()])),
         Twin::new(
             "multiple_point",
             "atmosphere",
             "return vec4f(multiple_point(earth, vec2f(32.0, 16.0), x[0].xy), 0.0, 0.0);",
             |x| two(unit(x[0][1], 16.0).powi(2) * THICKNESS, unbend(unit(x[0][0], 32.0))),
         )
-        .over("all", 8.0, |random| scalars(uv(random))),
+        .over("all", |random| scalars(uv(random))),
     ]
 }
 
@@ -142,7 +154,7 @@ fn views() -> Vec<Twin> {
             "return vec4f(sky_view_uv(earth, vec2f(192.0, 128.0), x[0].x, x[0].y, x[0].z, x[0].w > 0.5), 0.0, 0.0);",
             sky_view_uv,
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let h = random.log(0.1, 1e7);
             let off = random.sign() * random.log(1e-6, 1.0);
             let mu = (horizon_mu(h) + off).clamp(-1.0, 1.0);
@@ -154,14 +166,14 @@ fn views() -> Vec<Twin> {
             "return vec4f(sky_view_point(earth, vec2f(192.0, 128.0), x[0].x, x[0].yz), 0.0);",
             sky_view_point,
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let [u, v] = uv(random);
             scalars([random.log(0.1, 1e7), u, v])
         }),
         Twin::new("half_azimuth_sine", "atmosphere", "return vec4f(half_azimuth_sine(x[0].xyz, x[1].xyz));", |x| {
             one(half_azimuth_sine(x))
         })
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let (a, b) = (random.direction(), random.direction());
             input([vector(a, 0.0), vector(b, 0.0)])
         }),
@@ -171,6 +183,6 @@ fn views() -> Vec<Twin> {
             "let t = light_texel(x[0].xyz); return vec4f(t.rgb * t.a, 0.0);",
             |x| three(DVec3::new(x[0][0], x[0][1], x[0][2])),
         )
-        .over("all", 8.0, |random| scalars([(); 3].map(|()| random.log(1e-8, 1e6)))),
+        .over("all", |random| scalars([(); 3].map(|()| random.log(1e-8, 1e6)))),
     ]
 }

@@ -26,6 +26,14 @@ fn view(random: &mut Random) -> Input {
     input([[thickness, depth, random.cosine(), random.cosine()], [cosine, sine, set, 0.0]])
 }
 
+/// Light that goes nearly straight on.
+fn forward(random: &mut Random) -> Input {
+    let mu0 = random.between(-1.0, 1.0);
+    let mu = (mu0 + random.sign() * random.log(1e-6, 0.01)).clamp(-1.0, 1.0);
+    let (sine, cosine) = random.log(1e-6, 0.01).sin_cos();
+    input([[1.0, 0.5, mu, mu0], [cosine, sine, 0.0, 0.0]])
+}
+
 /// Within an optical depth of 0.1 from the face behind the point.
 fn thin(random: &mut Random) -> Input {
     let mut x = view(random);
@@ -39,7 +47,8 @@ fn thin(random: &mut Random) -> Input {
 fn opacity(x: &Wide) -> f64 {
     let [thickness, depth, mu, _] = x[0];
     let behind = if mu > 0.0 { depth } else { thickness - depth };
-    -(-behind.max(0.0) / mu.abs()).exp_m1()
+    // Directions along the slab are held off it.
+    -(-behind.max(0.0) / mu.abs().max(1e-6)).exp_m1()
 }
 
 /// The angle between directions given by cosines and azimuth, without their product's cancellation.
@@ -109,7 +118,7 @@ fn views() -> Vec<Twin> {
             "let v = slab_view(5.0, 2.0, x[0].xyz, x[1].xyz, x[2].xyz); return vec4f(v.mu, v.mu0, v.cos_phi, v.sin_phi);",
             slab_view,
         )
-        .over("all", 8.0, |random| {
+        .over("all", |random| {
             let normal = random.direction();
             let [a, b] = [(); 2].map(|()| random.cosine().acos());
             let (eye, sun) = (random.direction_off(normal, a), random.direction_off(normal, b));
@@ -122,19 +131,20 @@ fn views() -> Vec<Twin> {
             sunward,
         )
         .declaring(VIEW)
-        .over("all", 8.0, view),
+        .over("all", view),
         Twin::new("slab_half_sine", "slab_view", "return vec4f(slab_half_sine(view(x)));", |x| one(half_sine(x)))
             .declaring(VIEW)
-            .over("all", 8.0, view),
+            .over("all", view)
+            .over("forward", forward),
         Twin::new("slab_opacity", "slab_view", "return vec4f(slab_opacity(view(x)));", |x| one(opacity(x)))
             .declaring(VIEW)
-            .over("all", 8.0, view)
-            .over("thin", 8.0, thin),
+            .over("all", view)
+            .over("thin", thin),
         Twin::new("slab_view_coordinate", "slab_view", "return vec4f(slab_view_coordinate(x[0].x));", |x| {
             one(0.5 + 0.5 * x[0][0].signum() * x[0][0].abs().min(1.0).powf(2.0 / 3.0))
         })
-        .edges(8.0, line(&[-1.0, -0.5, 0.5, 1.0]))
-        .over("all", 8.0, |random| scalars([random.cosine()])),
+        .edges(line(&[-1.0, -0.5, 0.5, 1.0]))
+        .over("all", |random| scalars([random.cosine()])),
     ]
 }
 
@@ -142,35 +152,44 @@ fn coordinates() -> Vec<Twin> {
     vec![
         Twin::new("slab_fit_of", "slab_fit", "let f = fit(x); return vec4f(f.normal, f.mu0);", fitted)
             .declaring(FIT)
-            .over("all", 8.0, maps),
-        Twin::new("slab_thickness_coordinate", "slab", "return vec4f(slab_thickness_coordinate(x[0].x));", |x| {
-            one(axes::thickness_coordinate(x[0][0]).clamp(0.0, 1.0))
-        })
-        .over("all", 8.0, |random| scalars([random.log(0.01, 1e6)])),
-        Twin::new("slab_depth_coordinate", "slab", "return vec4f(slab_depth_coordinate(x[0].y, x[0].x));", |x| {
-            one(axes::depth_coordinate(x[0][1], x[0][0]))
-        })
-        .over("all", 8.0, view),
+            .over("all", maps),
+        Twin::new(
+            "slab_thickness_coordinate",
+            "slab",
+            "return vec4f(slab_thickness_coordinate(x[0].x));",
+            |x| one(axes::thickness_coordinate(x[0][0]).clamp(0.0, 1.0)),
+        )
+        .over("all", |random| scalars([random.log(0.01, 1e6)])),
+        Twin::new(
+            "slab_depth_coordinate",
+            "slab",
+            "return vec4f(slab_depth_coordinate(x[0].y, x[0].x));",
+            |x| one(axes::depth_coordinate(x[0][1], x[0][0])),
+        )
+        .over("all", view),
         Twin::new("slab_sun_coordinate", "slab", "return vec4f(slab_sun_coordinate(x[0].x));", |x| {
             one(axes::sun_coordinate(x[0][0]))
         })
-        .over("all", 8.0, |random| scalars([random.cosine().abs()])),
+        .over("all", |random| scalars([random.cosine().abs()])),
         Twin::new("slab_path_coordinate", "slab", "return vec4f(slab_path_coordinate(x[0].x));", |x| {
             // The texture's rows lie at paths 4 c / (1 - c).
             one(x[0][0] / (x[0][0] + 4.0))
         })
-        .edges(8.0, line(&[0.0, 1e-3, 4.0, 300.0]))
-        .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6)])),
+        .edges(line(&[0.0, 1e-3, 4.0, 300.0]))
+        .over("all", |random| scalars([random.log(1e-6, 1e6)])),
         Twin::new("slab_spread", "slab", "return vec4f(slab_spread(u32(x[1].z), x[0].x, x[0].y));", |x| {
             one(spread::spread(x[1][2] as usize, x[0][0], x[0][1]))
         })
-        .over("all", 8.0, view),
-        Twin::new("slab_ln_known", "slab_direct", "return vec4f(slab_ln_known(u32(x[1].z), x[0].x, x[0].y));", |x| {
-            two(direct::ln_known(x[1][2] as usize, x[0][0], x[0][1]), f64::NAN)
-        })
-        .over("all", 8.0, view),
+        .over("all", view),
+        Twin::new(
+            "slab_ln_known",
+            "slab_direct",
+            "return vec4f(slab_ln_known(u32(x[1].z), x[0].x, x[0].y));",
+            |x| two(direct::ln_known(x[1][2] as usize, x[0][0], x[0][1]), f64::NAN),
+        )
+        .over("all", view),
         Twin::new("slab_ln_1p", "slab", "return vec4f(slab_ln_1p(x[0].x));", |x| one(x[0][0].ln_1p()))
-            .edges(8.0, grid(&[0.0, 1e-6, 1e-3, 1.0], &[0.0], &[0.0], &[0.0]))
-            .over("all", 8.0, |random| scalars([random.log(1e-6, 1e6)])),
+            .edges(grid(&[0.0, 1e-6, 1e-3, 1.0], &[0.0], &[0.0], &[0.0]))
+            .over("all", |random| scalars([random.log(1e-6, 1e6)])),
     ]
 }
