@@ -2,7 +2,7 @@
 // last round of scattering left: short characteristics (Kunasz and Auer 1988) with a source
 // that is linear between planes. One workgroup a direction and light; it goes from plane to
 // plane across the axis along which its direction crosses cells the fastest.
-// @use field
+// @use field attenuation
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
@@ -15,11 +15,6 @@
 @group(0) @binding(5) var<storage, read_write> radiance: array<f32>;
 
 const THREADS: u32 = 128u;
-
-// (1 - e^-x) / x.
-fn mean_through(x: f32) -> f32 {
-    return select((1.0 - exp(-x)) / max(x, 1e-3), 1.0 - 0.5 * x, x < 1e-3);
-}
 
 @compute @workgroup_size(THREADS)
 fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) group: vec3u) {

@@ -1,5 +1,5 @@
 // The Earth's clear atmosphere: air (Rayleigh), haze (Mie), ozone, over a sphere.
-// @use constants
+// @use constants attenuation
 //
 // Hillaire, "A Scalable and Production Ready Sky and Atmosphere Rendering
 // Technique", EGSR 2020 (below: H); Bruneton and Neyret, "Precomputed Atmospheric
@@ -160,9 +160,7 @@ fn lowest_distance(a: Atmosphere, altitude: f32, mu: f32, length: f32) -> f32 {
 // Integral of exp(-extinction s) over s from 0 to `length`, m.
 fn attenuated_length(extinction: vec3f, length: f32) -> vec3f {
     let x = extinction * length;
-    // Below 0.1 the difference in the closed form loses digits.
-    let series = 1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0)));
-    return length * select((1.0 - exp(-x)) / max(x, vec3f(1e-20)), series, x < vec3f(0.1));
+    return length * vec3f(mean_through(x.x), mean_through(x.y), mean_through(x.z));
 }
 
 // Light that a stretch of a ray sends back to its start, and what it lets through.

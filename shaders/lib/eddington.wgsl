@@ -5,21 +5,23 @@
 
 // A conservative slab lit by a beam of irradiance 1 across it, at cosine `mu0` to the
 // normal: the source function of light that was scattered at least once before, 1/sr,
-// towards downward cosine `nu`, at optical depth `depth` of `thickness`.
+// towards downward cosine `nu`, at optical depth `depth` of `thickness`. Measured from the far
+// face, as the little light that comes through a thick slab would else be a difference of large
+// numbers; in a thin slab, which scatters little more than once, 1e-7 of the beam is lost.
 fn eddington_beam(g: f32, mu0: f32, depth: f32, thickness: f32, nu: f32) -> f32 {
     // The peak of a phase function that scatters backwards is not forward: none is cut.
-    let f = max(g, 0.0) * max(g, 0.0);
-    let scale = 1.0 - f;
-    let g1 = (g - f) / scale;
+    let forward = max(g, 0.0);
+    let scale = (1.0 - forward) * (1.0 + forward);
+    // 1 less (g - f) / (1 - f), the asymmetry that is left.
+    let turned = 1.0 - g / (1.0 + forward);
     let t = scale * depth;
     let total = scale * thickness;
-    let arriving = (2.0 / 3.0 + mu0) + (2.0 / 3.0 - mu0) * exp(-total / mu0);
-    let flux = mu0 * arriving / (4.0 / 3.0 + (1.0 - g1) * total);
-    let beam = exp(-t / mu0);
-    let lost = mu0 * mu0 * (1.0 - beam);
+    let beam = mu0 * exp(-t / mu0);
+    let through = mu0 * (mu0 - 2.0 / 3.0) * exp(-total / mu0);
+    let flux = (mu0 * (2.0 / 3.0 + mu0) - through) / (4.0 / 3.0 + turned * total);
     let c = 3.0 * INV_4PI;
-    let i1 = c * (flux - mu0 * beam);
-    let i0 = c * (2.0 / 3.0 * (mu0 - flux) - (1.0 - g1) * (flux * t - lost) + g1 * lost);
+    let i1 = c * (flux - beam);
+    let i0 = c * (flux * (2.0 / 3.0 + turned * (total - t)) - mu0 * beam + through);
     // The source of the unscaled medium, whose path the view ray is: g1 of what is scattered
     // and f of what goes straight on make g.
     return max(i0 + g * nu * i1, 0.0);

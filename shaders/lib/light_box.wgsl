@@ -57,8 +57,9 @@ fn light_box_point(box: LightBox, uvw: vec3f) -> vec3f {
 // Normal, against the light, of a surface whose depth along the columns grows by `slope_u`
 // and `slope_v` metres per metre across.
 fn light_box_normal(box: LightBox, slope_u: f32, slope_v: f32) -> vec3f {
-    let tangent_u = normalize(box.edge_u) + slope_u * box.along;
-    let tangent_v = normalize(box.edge_v) + slope_v * box.along;
-    let normal = normalize(cross(tangent_u, tangent_v));
+    let u = normalize(box.edge_u);
+    let v = normalize(box.edge_v);
+    // cross(u + slope_u along, v + slope_v along) without the product of the slopes, which is 0.
+    let normal = normalize(cross(u, v) + slope_v * cross(u, box.along) + slope_u * cross(box.along, v));
     return select(normal, -normal, dot(normal, box.along) > 0.0);
 }

@@ -1,6 +1,6 @@
 // Phase functions come as tables over the angle between the propagation before and after
 // scattering; here is where in the table an angle is, and what the forward peak adds.
-// @use constants
+// @use constants attenuation
 
 // Coordinate of a scattering angle in a phase table whose texels are even in
 // sqrt(theta / pi) up to the middle and mirrored beyond: dense at the forward peak
@@ -15,32 +15,24 @@ fn phase_coordinate(before: vec3f, after: vec3f) -> f32 {
     return select(1.0 - half, half, is_forward);
 }
 
-// asin on [0, 0.7072], within 3e-5 (Maclaurin series to x^17).
+// asin on [0, 0.7072]: a minimax polynomial, within 2e-7 of the value.
 fn asin_small(x: f32) -> f32 {
     let y = min(x, 0.7072);
     let z = y * y;
-    let tail = z * (0.030381944 + z * (0.022372159 + z * (0.017352764 + z * (0.01396484 + z * 0.0115518))));
-    return y * (1.0 + z * (0.16666667 + z * (0.075 + z * (0.04464286 + tail))));
-}
-
-// Mean of e^{-x} for x between `a` and `b`.
-fn mean_transmittance(a: f32, b: f32) -> f32 {
-    let x = b - a;
-    // The difference of two exponentials loses its digits where they are alike.
-    let series = exp(-0.5 * (a + b)) * (1.0 + x * x / 24.0);
-    let flat = abs(x) < 0.1;
-    return select((exp(-a) - exp(-b)) / select(x, 1.0, flat), series, flat);
+    let tail = z * (0.03899976 + z * (0.06057287 + z * (-0.05480595 + z * 0.10097281)));
+    return y * (1.0 + z * (0.16665371 + z * (0.07547188 + tail)));
 }
 
 // Sunlight that reaches a stretch of a ray, as a mean over what is seen of it through its own
 // optical depth, where the optical depth to the sun goes evenly from `before` to `after`.
 fn sunlight_share(optical_depth: f32, before: f32, after: f32) -> f32 {
-    return mean_transmittance(before, optical_depth + after) / mean_transmittance(0.0, optical_depth);
+    return mean_transmittance(before, optical_depth + after) / mean_through(optical_depth);
 }
 
 // Share of the light that was scattered only within the removed forward peak, over an
-// optical depth: (e^{-(1 - chop) tau} - e^{-tau}), the corrected [K 3.66]; to be
-// multiplied by the peak's shape P_peak / f.
+// optical depth: e^{-(1 - chop) tau} - e^{-tau}, the corrected [K 3.66], as a product; to
+// be multiplied by the peak's shape P_peak / f.
 fn recovered_peak(optical_depth: f32, chop: f32) -> f32 {
-    return exp(-(1.0 - chop) * optical_depth) - exp(-optical_depth);
+    let peak = chop * optical_depth;
+    return exp(peak - optical_depth) * peak * mean_through(peak);
 }

@@ -18,11 +18,18 @@ fn slab_thickness_coordinate(thickness: f32) -> f32 {
     return saturate(log(thickness / SLAB_THINNEST) / log(SLAB_THICKEST / SLAB_THINNEST));
 }
 
+// 0.5 + 0.5 (ln(1 + x/F) - ln(1 + (t - x)/F)) / ln(1 + t/F), its differences taken together.
 fn slab_depth_coordinate(depth: f32, thickness: f32) -> f32 {
     let x = clamp(depth, 0.0, thickness);
-    let near = log(1.0 + x / SLAB_FACE);
-    let far = log(1.0 + (thickness - x) / SLAB_FACE);
-    return 0.5 + 0.5 * (near - far) / log(1.0 + thickness / SLAB_FACE);
+    let near = slab_ln_1p(x / SLAB_FACE) + slab_ln_1p(x / (SLAB_FACE + thickness - x));
+    return 0.5 * near / slab_ln_1p(thickness / SLAB_FACE);
+}
+
+// ln(1 + x), x >= 0: 2 artanh(x / (2 + x)) by its series where the sum 1 + x loses digits.
+fn slab_ln_1p(x: f32) -> f32 {
+    let s = x / (2.0 + x);
+    let z = s * s;
+    return select(log(1.0 + x), 2.0 * s * (1.0 + z * (1.0 / 3.0 + z * (1.0 / 5.0 + z / 7.0))), x < 0.25);
 }
 
 fn slab_sun_coordinate(mu0: f32) -> f32 {

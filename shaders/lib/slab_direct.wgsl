@@ -32,12 +32,12 @@ fn slab_direct(modes: texture_3d<f32>, phase: texture_2d<f32>, linear: sampler, 
     return v.mu0 * slab_opacity(v) * shape * exp(exponent);
 }
 
-// How a set dies with depth and with thinness, ln.
+// How a set dies with depth and with thinness: ln of (t / (t + birth))^power e^(-decay depth).
 fn slab_ln_known(orders: u32, thickness: f32, depth: f32) -> f32 {
     // Powers of birth, its thickness, decay.
     var known = array<vec3f, 7>(vec3f(1.0, 1.0, 1.0), vec3f(2.0, 1.0, 1.0), vec3f(3.0, 0.7, 1.0),
         vec3f(4.0, 0.3, 1.0), vec3f(6.0, 0.2, 0.9), vec3f(9.0, 0.2, 0.75), vec3f(15.0, 0.7, 0.0));
     let k = known[orders];
     let t = max(thickness, 1e-6);
-    return k.x * log(t / (t + k.y)) - k.z * depth;
+    return -k.x * slab_ln_1p(k.y / t) - k.z * depth;
 }

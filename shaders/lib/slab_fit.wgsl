@@ -28,9 +28,11 @@ fn slab_fit_of(box: LightBox, uv: vec2f, map: vec4f, lit: vec3f, turn: vec3f, re
     let to_sun = -box.along;
     let mean = normalize(share * lit + turn + 1e-3 * to_sun);
     // A slab that turns from the sun is tilted back: no lit surface of a cloud is that steep.
-    let across = mean - dot(mean, to_sun) * to_sun;
-    let mu0 = clamp(dot(mean, to_sun), LOWEST_SUN, 1.0);
-    let normal = mu0 * to_sun + sqrt(1.0 - mu0 * mu0) * across / max(length(across), 1e-6);
+    let facing = dot(mean, to_sun);
+    let across = mean - facing * to_sun;
+    let tilted = LOWEST_SUN * to_sun + sqrt(1.0 - LOWEST_SUN * LOWEST_SUN) * across / max(length(across), 1e-6);
+    let normal = select(mean, tilted, facing < LOWEST_SUN);
+    let mu0 = clamp(facing, LOWEST_SUN, 1.0);
     let middle = light_box_point(box, vec3f(uv, share * map.x));
     return SlabFit(normal, mu0, share * map.z, middle, share * max(map.y - map.x, 0.0) * box.length, map.w, reads);
 }

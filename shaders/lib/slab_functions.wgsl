@@ -28,11 +28,6 @@ fn slab_functions_read(table: texture_2d<f32>, linear: sampler, orders: u32, x: 
     return textureSampleLevel(table, linear, (at + 0.5) / size, 0.0);
 }
 
-// ln(1 + x), by its series where the sum loses digits.
-fn slab_ln_1p(x: f32) -> f32 {
-    return select(log(1.0 + x), x - 0.5 * x * x, x < 1e-3);
-}
-
 // Where the light of a set entered the face towards the sun, on average, as optical depths
 // from the point straight above: x to the side of positive azimuths, y towards the sun along
 // the face. `shared_table` has views within half of the numbers along x and sets along y,

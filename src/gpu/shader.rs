@@ -13,7 +13,7 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "camera", "constants", "density", "eddington", "ellipsoid", "field", "harmonics", "light_box", "noise", "octaves", "path_random", "phase", "random", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "tonemap",
+    "air", "atmosphere", "attenuation", "camera", "constants", "density", "eddington", "ellipsoid", "field", "harmonics", "light_box", "noise", "octaves", "path_random", "phase", "random", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "tonemap",
 );
 
 /// Every entry point of `shaders`: name and source.

@@ -1,0 +1,128 @@
+//! Every function of `shaders/lib` against a double-precision reference written from its
+//! definition, not transcribed: a grid with edge cases, and random inputs over each regime of
+//! what it may be given, the extremes among them.
+//!
+//! `cargo test` takes the first thousands of random inputs of each regime. All of them, and the
+//! table of docs/numerics.md, which this command writes anew, are
+//!
+//! ```text
+//! cargo test --release --test twins -- --ignored
+//! ```
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod air;
+mod builtins;
+#[path = "../common/mod.rs"]
+mod common;
+mod definitions;
+mod geometry;
+mod grids;
+mod harness;
+mod pack;
+mod picture;
+mod random;
+mod scattering;
+mod sky;
+mod slab;
+mod table;
+mod textbook;
+
+use harness::{Regime, Twin, error};
+use nephos::gpu::LIBRARY;
+
+/// Without a twin, with the reason.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("noise_at", "reads a texture: tests/noise.rs compares it with the baked volume"),
+    ("slab_source", "reads the table: tests/slab_render.rs compares it with the reference"),
+    ("slab_fit", "reads sun maps, as the next: tests/slab_render.rs holds pictures against slabs"),
+    ("slab_fit_kol", "the same"),
+    ("slab_fit_gaussian", "the same"),
+    ("slab_fit_view", "the same"),
+    ("slab_fit_bouthors", "the same"),
+    ("slab_direct", "reads tables: tests/slab_shader.rs compares it with them, as the next"),
+    ("slab_functions", "the same"),
+    ("slab_functions_read", "the same"),
+    ("slab_collector", "the same"),
+    ("transmittance_to_top", "an integral: tests/atmosphere.rs compares it with closed forms"),
+    ("sun_irradiance_at", "reads tables: tests/sky.rs compares it with the reference, as the next"),
+    ("light_of_sky", "the same"),
+    ("aerial_perspective", "the same"),
+    ("multiple_light", "the same, through pictures made of nothing else"),
+    ("ground_irradiance", "the same"),
+    ("air_source", "the same"),
+    ("air_light", "the same"),
+    ("sky_radiance", "the same"),
+];
+
+fn twins() -> Vec<Twin> {
+    [
+        geometry::twins(),
+        scattering::twins(),
+        slab::twins(),
+        air::twins(),
+        sky::twins(),
+        grids::twins(),
+        picture::twins(),
+        builtins::twins(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Every input of a regime, at most thousands, whose error is beyond the twin's bound.
+fn failures(twin: &Twin, regime: &Regime) -> Vec<String> {
+    let inputs = twin.inputs(regime, 4096);
+    let pairs = inputs.iter().zip(twin.evaluate(&inputs));
+    let compared: Vec<_> =
+        pairs.filter_map(|(x, got)| Some((x, got, error(twin, regime, x, got)?))).collect();
+    assert!(!compared.is_empty(), "{} over {} compares nothing", twin.name, regime.name);
+    let beyond = compared.into_iter().filter(|(.., error)| error.conditioned > twin.bound);
+    beyond
+        .map(|(input, got, error)| {
+            let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
+            let (name, regime, ulp) = (twin.name, regime.name, error.conditioned);
+            format!("{name} over {regime}: {ulp:.1} ULP, {got:?} for {wanted:?} at {input:?}")
+        })
+        .collect()
+}
+
+#[test]
+fn shader_functions_agree_with_their_references() {
+    let twins = twins();
+    let all = twins.iter().flat_map(|twin| twin.regimes.iter().map(move |regime| (twin, regime)));
+    let failures: Vec<_> = all.flat_map(|(twin, regime)| failures(twin, regime)).collect();
+    assert!(
+        failures.is_empty(),
+        "{} differences, first:\n{}",
+        failures.len(),
+        failures[..failures.len().min(12)].join("\n")
+    );
+}
+
+#[test]
+fn forms_of_the_textbook_fail() {
+    let mut forms = textbook::forms(twins());
+    forms.retain(|form| form.regimes.iter().all(|regime| failures(form, regime).is_empty()));
+    let names: Vec<_> = forms.iter().map(|form| form.name).collect();
+    assert!(names.is_empty(), "as the textbook has them these would pass: {names:?}");
+}
+
+#[test]
+fn every_shader_function_has_a_twin() {
+    let twins = twins();
+    for (module, source) in LIBRARY {
+        for line in source.lines().filter_map(|line| line.strip_prefix("fn ")) {
+            let name = line.split('(').next().unwrap_or_default();
+            let known = twins.iter().any(|twin| twin.name == name)
+                || ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name);
+            assert!(known, "`{name}` of shaders/lib/{module}.wgsl has no twin");
+        }
+    }
+}
+
+#[test]
+#[ignore = "minutes of random inputs; writes docs/numerics.md"]
+fn the_table_of_docs_numerics() {
+    table::write(twins);
+}
