@@ -2,7 +2,7 @@
 //! tests and the editor alike.
 
 use std::sync::{
-    Arc, Mutex,
+    Arc, LazyLock, Mutex,
     atomic::{AtomicBool, Ordering},
 };
 
@@ -43,6 +43,13 @@ pub struct Gpu {
     pub adapter: AdapterSummary,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
+}
+
+/// While this is true, waiting for any device of this process ends in [`Error::Stopped`]: for those who
+/// catch Ctrl-C, or stop long work from another thread.
+pub fn stop_flag() -> &'static Arc<AtomicBool> {
+    static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+    &STOP
 }
 
 /// Every adapter of this machine, best first.
@@ -98,7 +105,8 @@ impl Gpu {
     /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the device was lost or the driver complained since the last call.
+    /// [`Error::Gpu`] when the device was lost or the driver complained since the last call,
+    /// [`Error::Stopped`] when [`stop_flag`] was set.
     pub fn finish(&self, doing: &str) -> Result<()> {
         let fail = |reason: String| Err(Error::Gpu { doing: doing.to_owned(), reason });
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
@@ -110,6 +118,9 @@ impl Gpu {
                          picture size or the quality"
                     .to_owned(),
             );
+        }
+        if stop_flag().load(Ordering::Relaxed) {
+            return Err(Error::Stopped { kept: "files that were written are whole".to_owned() });
         }
         match self.complaint.lock().ok().and_then(|mut slot| slot.take()) {
             Some(reason) => fail(reason),

@@ -6,7 +6,7 @@ mod shader;
 mod texture;
 mod timing;
 
-pub use device::{AdapterSummary, Gpu, adapters};
+pub use device::{AdapterSummary, Gpu, adapters, stop_flag};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
 pub use readback::{read_buffer, read_texture};
