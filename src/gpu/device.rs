@@ -68,9 +68,14 @@ impl Gpu {
     /// [`Error::Adapter`] when there is none, with what to install.
     pub async fn open(name: Option<&str>) -> Result<Self> {
         let adapter = choose(all(&instance()).await, name)?;
+        let wanted = wanted(&adapter);
+        Self::request(&adapter, &wanted).await
+    }
+
+    async fn request(adapter: &wgpu::Adapter, wanted: &wgpu::DeviceDescriptor<'_>) -> Result<Self> {
         let info = adapter.get_info();
         tracing::info!(adapter = info.name, backend = ?info.backend, "opening adapter");
-        let (device, queue) = adapter.request_device(&wanted(&adapter)).await.map_err(|error| {
+        let (device, queue) = adapter.request_device(wanted).await.map_err(|error| {
             Error::Adapter(format!(
                 "the adapter `{}` would not open: {error}. `nephos info` lists the others; \
                      choose one with --adapter NAME.",
@@ -185,4 +190,26 @@ fn no_adapter() -> String {
         "Update the driver of your graphics card."
     };
     format!("no graphics adapter was found (Vulkan, Metal or DirectX 12). {remedy}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_adapter_whose_limits_are_too_low_is_refused_with_a_sentence() {
+        pollster::block_on(async {
+            let adapter = choose(all(&instance()).await, None).unwrap();
+            let mut wanted = wanted(&adapter);
+            let most = adapter.limits().max_texture_dimension_2d;
+            wanted.required_limits.max_texture_dimension_2d = 2 * most;
+            let error = Gpu::request(&adapter, &wanted).await.unwrap_err().to_string();
+            let (asked, most) = ((2 * most).to_string(), most.to_string());
+            for word in
+                [&adapter.get_info().name, "max_texture_dimension_2d", &asked, &most, "--adapter NAME"]
+            {
+                assert!(error.contains(word), "{error}");
+            }
+        });
+    }
 }

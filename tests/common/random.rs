@@ -14,13 +14,20 @@ use proptest::{
     test_runner::{Config, FileFailurePersistence, RngAlgorithm, TestRng, TestRunner},
 };
 
+/// What is asked of scenes: of half of them, where there are enough to tell, and of each.
+#[derive(Clone, Copy)]
+pub struct Bounds {
+    pub half: f64,
+    pub all: f64,
+}
+
 /// Measures `cases` scenes that show something, the same every time, and asks that no value be above
-/// `bound`; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes to `target/tmp`. With
+/// its bound; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes to `target/tmp`. With
 /// NEPHOS_GO_ON it goes on past what fails.
 pub fn check<S: Strategy<Value = Scene>>(
     cases: u32,
     strategy: &S,
-    bound: f64,
+    bounds: Bounds,
     measure: impl Fn(Scene) -> Option<f64>,
 ) {
     let kept = FileFailurePersistence::Direct("tests/random_scenes.seeds");
@@ -38,25 +45,29 @@ pub fn check<S: Strategy<Value = Scene>>(
     let result = TestRunner::new_with_rng(config, rng).run(strategy, |scene| {
         let value = measure(scene.clone()).ok_or_else(|| TestCaseError::reject("nothing is seen"))?;
         values.borrow_mut().push((value, scene));
-        prop_assert!(value <= bound || go_on, "{value:.2e}, and at most {bound} is expected");
+        prop_assert!(value <= bounds.all || go_on, "{value:.2e}, and at most {} is expected", bounds.all);
         Ok(())
     });
-    report(values.into_inner(), bound, start.elapsed());
+    let median = report(values.into_inner(), bounds, start.elapsed());
     if let Err(failure) = result {
         panic!("{failure}");
     }
+    assert!(cases < 50 || median <= bounds.half, "half of the scenes are above {median:.2e}");
 }
 
-/// One line of what was measured, by the name of the test.
-fn report(mut values: Vec<(f64, Scene)>, bound: f64, time: Duration) {
+/// One line of what was measured, by the name of the test; gives the median.
+fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> f64 {
     let thread = std::thread::current();
     let name = thread.name().unwrap_or("property").replace("::", "-");
     values.sort_by(|a, b| b.0.total_cmp(&a.0));
     println!(
-        "{name}: {} scenes, worst {:.1e}, 99 % below {:.1e}, bound {bound}, {:.0} s",
+        "{name}: {} scenes, half below {:.1e} of {:.0e}, 99 % below {:.1e}, all below {:.1e} of {:.0e}, {:.0} s",
         values.len(),
-        values[0].0,
+        values[values.len() / 2].0,
+        bounds.half,
         values[values.len() / 100].0,
+        values[0].0,
+        bounds.all,
         time.as_secs_f64()
     );
     for (i, (value, scene)) in values.iter().take(3).enumerate() {
@@ -64,6 +75,7 @@ fn report(mut values: Vec<(f64, Scene)>, bound: f64, time: Duration) {
         std::fs::write(&path, scene.to_json()).expect("the folder of the build can be written");
         println!("    {value:.1e} {path}");
     }
+    values[values.len() / 2].0
 }
 
 /// Numbers whose logarithms are evenly spread.
