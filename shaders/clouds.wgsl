@@ -269,8 +269,9 @@ fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
                 core_exit = select(core_exit, max(inner.y, select(0.0, core_exit, e.extinction == core)), e.extinction >= core);
                 core = max(core, e.extinction);
             } else {
-                // Only boundaries that the ray is in need short steps.
-                boundary = min(boundary, e.displacement + e.rise);
+                // Only boundaries that the ray is in need short steps, and no boundary is thicker than
+                // its ellipsoid: there the core is less than nothing.
+                boundary = min(boundary, (e.displacement + e.rise) / max(1.0, 1.0 - e.core));
                 exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
             }
         }

@@ -1,6 +1,6 @@
 // Sunlight through a cloud, in the cloud's own frame: a volume of optical depth from
-// the sun (red; green: the part of it that is other clouds' shadow), and a map seen from the sun (depth of the lit surface, of the far one, total
-// optical depth, coverage). One thread marches one column along the light, over the
+// the sun (red; green: the part of it that is other clouds' shadow), and, for models of slabs, a map
+// seen from the sun (depth of the lit surface, of the far one, total optical depth, coverage). One thread marches one column along the light, over the
 // ellipsoids at hand. The map is multiplied by coverage, so that plain
 // averages of it weight by coverage. A sample asks only the ellipsoids that reach into its brick
 // of voxels, however many there are.
@@ -17,6 +17,9 @@
 @group(0) @binding(6) var<storage, read> candidates: array<u32>;
 @group(0) @binding(7) var volume: texture_storage_3d<rgba16float, write>;
 @group(0) @binding(8) var depths: texture_storage_2d<rgba16float, write>;
+
+// Whether the map is wanted.
+override MAPPED: bool = true;
 
 // Largest optical depth worth telling: half floats hold it, no light survives it.
 const MOST: f32 = 30000.0;
@@ -122,15 +125,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             for (var i = 0u; i < SAMPLES; i++) {
                 let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
                 let thickness = step * extinction_at(light_box_point(box, vec3f(uv, w)), list, blur);
-                front += exp(shadow - optical_depth) * (1.0 - exp(-thickness)) * w;
-                back = select(back, w, thickness > 0.0);
+                if MAPPED {
+                    front += exp(shadow - optical_depth) * (1.0 - exp(-thickness)) * w;
+                    back = select(back, w, thickness > 0.0);
+                }
                 optical_depth += thickness;
                 middle = select(middle, optical_depth, i == SAMPLES / 2u - 1u);
             }
         }
         textureStore(volume, vec3u(id.xy, z), vec4f(min(vec2f(middle, shadow), vec2f(MOST)), 0.0, 0.0));
     }
-    let coverage = 1.0 - exp(shadow - optical_depth);
-    let total = coverage * min(optical_depth - shadow, MOST);
-    textureStore(depths, id.xy, vec4f(front, coverage * back, total, coverage));
+    if MAPPED {
+        let coverage = 1.0 - exp(shadow - optical_depth);
+        let total = coverage * min(optical_depth - shadow, MOST);
+        textureStore(depths, id.xy, vec4f(front, coverage * back, total, coverage));
+    }
 }

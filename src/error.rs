@@ -44,6 +44,12 @@ pub enum Error {
         /// What the driver or the validation said.
         reason: String,
     },
+    /// Somebody asked the program to stop, and it has: see [`crate::gpu::stop_flag`].
+    #[error("stopped: {kept}")]
+    Stopped {
+        /// What there is of the work, and how to go on.
+        kept: String,
+    },
     /// An argument has no meaning here: the sentence says which values do.
     #[error("{0}")]
     Argument(String),

@@ -14,7 +14,8 @@ use common::{
 use glam::{DQuat, DVec3};
 use nephos::{
     export::Picture,
-    render::{Quality, Renderer, Transport},
+    gpu::Gpu,
+    render::{Frame, Quality, Renderer, Target, Transport},
     scene::{Camera, Cloud, Droplets, Edge, Ellipsoid, Noise, Phase, Projection, Scene, Sky, SunPosition},
 };
 
@@ -227,11 +228,65 @@ fn pictures_of_one_pixel_and_of_one_row() {
     assert_eq!(picture_of(&scene, [1, 8192]).pixels.len(), 8192);
 }
 
+/// As `nephos render` draws it, in pieces; read back it is larger than a buffer may be.
 #[test]
-#[ignore = "long"]
 fn the_largest_picture() {
-    let picture = picture_of(&scene(DVec3::splat(100.0), 1.0, 400.0), [8192, 8192]);
-    assert!((f64::from(middle(&picture)[3]) - 1.0 + (-1f64).exp()).abs() < 0.01);
+    let scene = scene(DVec3::splat(4.0), 1.0, 400.0);
+    let mut renderer = renderer(COARSE, Transport::Single);
+    let picture = draw(&mut renderer, &scene, [8192, 8192], false);
+    let at = |x: usize, y: usize| f64::from(picture.pixels[y * 8192 + x][3]);
+    assert!((at(4096, 4096) - 1.0 + (-1f64).exp()).abs() < 0.01, "{}", at(4096, 4096));
+    // The disc is 8 / 400 over 2 tan 20 degrees of 8192 pixels wide: 225.
+    let covered = |along: &dyn Fn(usize) -> f64| (0..8192).filter(|&i| along(i) > 0.01).count();
+    let across = [covered(&|i| at(i, 4096)), covered(&|i| at(4096, i))];
+    assert!(across.iter().all(|n| n.abs_diff(225) <= 4), "{across:?}");
+}
+
+/// A device with the least that a browser promises, or less, says what it lacks.
+#[test]
+fn pictures_larger_than_the_device_are_refused_with_a_sentence() {
+    let limits = wgpu::Limits { max_texture_dimension_2d: 2048, ..wgpu::Limits::default() };
+    let small = device(limits);
+    let scene = scene(DVec3::splat(100.0), 1.0, 400.0);
+    let drawn = |size: [u32; 2]| {
+        let mut renderer = Renderer::new(&small.device, &small.queue, wgpu::TextureFormat::Rgba16Float);
+        (renderer.quality, renderer.transport) = (COARSE, Transport::Single);
+        let frame = Frame::new(&scene, size).unwrap();
+        let texture = renderer.picture("test", size, wgpu::TextureFormat::Rgba16Float);
+        let view = texture.create_view(&Default::default());
+        let target = Target { color: &view, depth: None, sky: false };
+        renderer.render_in_pieces(&small, &frame, &target, &mut |_| ()).map_err(|error| error.to_string())
+    };
+    let refusal = drawn([2049, 8]).unwrap_err();
+    assert!(refusal.contains("2049") && refusal.contains("2048"), "{refusal}");
+    assert_eq!(drawn([2048, 8]), Ok(()), "what fits is drawn, after what did not");
+}
+
+fn device(required_limits: wgpu::Limits) -> Gpu {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let name = &common::gpu().adapter.name;
+    pollster::block_on(async {
+        let adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
+        let adapter = adapters.into_iter().find(|adapter| adapter.get_info().name == *name).unwrap();
+        let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
+        let (device, queue) = adapter.request_device(&wanted).await.unwrap();
+        Gpu::from_device(device, queue, adapter.get_info())
+    })
+}
+
+/// Noise moves the edge of an ellipsoid by more than it is thick: what is left of it are lumps, and
+/// steps are no longer than it is thick.
+#[test]
+fn boundaries_thicker_than_their_ellipsoid_are_not_stepped_over() {
+    let mut sheet = scene(DVec3::new(150.0, 10.0, 150.0), 20.0, 400.0);
+    sheet.noise.scale = 40.0;
+    sheet.clouds[0].edge = Edge { boundary: 40.0, wispiness: 0.5 };
+    let seen = |first_step: f32, longest_step: f32| {
+        let quality = Quality { first_step, longest_step, max_steps: 1024, ..COARSE };
+        covered(&draw(&mut renderer(quality, Transport::Emitter), &sheet, [64, 64], false))
+    };
+    let (coarse, fine) = (seen(COARSE.first_step, COARSE.longest_step), seen(0.005, 0.02));
+    assert!(fine > 1e-3 && (coarse / fine - 1.0).abs() < 0.1, "{coarse} for {fine}");
 }
 
 #[test]

@@ -5,11 +5,13 @@
 
 use std::{
     fs,
+    path::Path,
     time::{Duration, Instant},
 };
 
 use assert_cmd::Command;
 use nephos::{
+    import::{Inside, fill, read_camera, read_mesh},
     scene::Scene,
     tables::{Grids, MieTables},
 };
@@ -21,11 +23,13 @@ use rand_chacha::{
 /// Time for each kind of damage; `cargo fuzz` in `fuzz/` has longer.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-fn corpus(name: &str) -> Vec<Vec<u8>> {
+/// Names and bytes.
+fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     let folder = format!("{}/fuzz/corpus/{name}", env!("CARGO_MANIFEST_DIR"));
     let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
     files.sort();
-    files.into_iter().map(|file| fs::read(file).unwrap()).collect()
+    let name = |file: &Path| file.file_name().unwrap().to_str().unwrap().to_owned();
+    files.into_iter().map(|file| (name(&file), fs::read(file).unwrap())).collect()
 }
 
 /// Cuts, flips, repeats or replaces a piece of the bytes.
@@ -63,23 +67,23 @@ fn damage(bytes: &mut Vec<u8>, random: &mut ChaCha8Rng) {
 }
 
 /// Tries damaged files until the patience ends; at least a thousand.
-fn try_damaged(name: &str, read: impl Fn(&[u8])) {
+fn try_damaged(name: &str, read: impl Fn(&str, &[u8])) {
     let (files, start) = (corpus(name), Instant::now());
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let mut tried = 0;
     while tried < 1000 || start.elapsed() < PATIENCE {
-        let mut bytes = files[tried % files.len()].clone();
+        let (name, mut bytes) = files[tried % files.len()].clone();
         for _ in 0..=random.next_u32() % 4 {
             damage(&mut bytes, &mut random);
         }
-        read(&bytes);
+        read(&name, &bytes);
         tried += 1;
     }
 }
 
 #[test]
 fn damaged_scenes_are_refused_or_valid() {
-    try_damaged("scene", |bytes| {
+    try_damaged("scene", |_, bytes| {
         if let Ok(scene) = Scene::from_json(&String::from_utf8_lossy(bytes)) {
             scene.validate().unwrap();
             assert_eq!(Scene::from_json(&scene.to_json()).unwrap(), scene);
@@ -94,17 +98,17 @@ fn reads(bytes: &[u8]) -> bool {
 
 #[test]
 fn damaged_tables_are_refused() {
-    for bytes in corpus("tables") {
-        assert!(reads(&bytes), "the corpus is whole");
+    for (name, bytes) in corpus("tables") {
+        assert!(reads(&bytes), "{name} is whole");
     }
-    try_damaged("tables", |bytes| {
+    try_damaged("tables", |_, bytes| {
         reads(bytes);
     });
 }
 
 #[test]
 fn a_flipped_bit_of_a_table_is_found() {
-    for whole in corpus("tables") {
+    for (_, whole) in corpus("tables") {
         for place in (0..whole.len()).step_by(whole.len() / 97 + 1) {
             let mut bytes = whole.clone();
             bytes[place] ^= 0x10;
@@ -112,6 +116,39 @@ fn a_flipped_bit_of_a_table_is_found() {
             assert!(!reads(&whole[..place]), "cut at {place}");
         }
     }
+}
+
+/// Tries damaged files by name; those of the corpus itself are whole.
+fn try_damaged_files(name: &str, read: impl Fn(&Path) -> bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |name: &str, bytes: &[u8]| {
+        let file = folder.path().join(name);
+        fs::write(&file, bytes).unwrap();
+        read(&file)
+    };
+    for (name, bytes) in corpus(name) {
+        assert!(read(&name, &bytes), "{name} is whole");
+    }
+    try_damaged(name, |name, bytes| {
+        read(name, bytes);
+    });
+}
+
+#[test]
+fn damaged_meshes_are_refused_or_filled() {
+    try_damaged_files("mesh", |file| {
+        let mesh = read_mesh(file);
+        // Some coordinates are damaged into great ones, and some corners into none.
+        mesh.is_ok_and(|mesh| fill(&Inside::new(&mesh, 8), 2, 1).is_ok())
+    });
+}
+
+#[test]
+fn damaged_cameras_are_refused_or_valid() {
+    try_damaged_files("camera", |file| {
+        let camera = read_camera(file, Some("camera")).or_else(|_| read_camera(file, None));
+        camera.is_ok_and(|camera| Scene::default().seen_by(camera).validate().is_ok())
+    });
 }
 
 #[test]
@@ -144,6 +181,27 @@ fn outputs_that_cannot_be_written_are_told_and_leave_nothing() {
         assert!(text.contains(path), "{text}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside");
+}
+
+/// Not even an administrator writes there.
+#[test]
+#[cfg(target_os = "linux")]
+fn folders_that_nobody_may_write_in_are_told() {
+    let small = ["--width", "8", "--height", "8", "--quality", "draft", "--transport", "single"];
+    for words in [&["render", "-", "-o", "/sys/a.png"][..], &["render", "-", "-o", "/sys/a.exr"]] {
+        let text = refused(&[words, &small[..]].concat(), "{}");
+        assert!(text.contains("/sys/a."), "{text}");
+        assert!(
+            text.contains("denied") || text.contains("Read-only") || text.contains("permitted"),
+            "{text}"
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.json");
+    fs::write(&scene, "{}").unwrap();
+    let words = ["sequence", scene.to_str().unwrap(), "-o", "/sys/nephos/a.####.png", "--frames", "1-2"];
+    let text = refused(&[&words, &small[..]].concat(), "");
+    assert!(text.contains("cannot create `/sys/nephos`"), "{text}");
 }
 
 #[test]

@@ -1,32 +1,35 @@
 //! What must hold for every scene, tried on random ones. Each property runs on a few scenes here,
-//! always the same; `cargo test --release --test random_scenes -- --ignored` tries a thousand.
+//! always the same; `cargo test --release --test random_scenes -- --ignored --nocapture` tries a
+//! thousand, or as many as NEPHOS_SCENES says, and prints the worst of each.
 //! Scenes that failed once are in `random_scenes.seeds` and are tried first.
 #![cfg(feature = "export")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
 
-use std::{
-    f64::consts::FRAC_PI_2,
-    sync::{Mutex, OnceLock, PoisonError},
-};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use common::{
     picture::{draw, renderer},
-    random::{check, scenes, white},
+    random::{Bounds, check, scenes, white},
 };
 use glam::{DQuat, DVec3};
 use nephos::{
     export::Picture,
     render::{Quality, Renderer, Transport},
-    scene::{Phase, Scene, Sky, SunPosition},
+    scene::{Ellipsoid, Phase, Scene, Sky, SunPosition},
 };
-use proptest::prelude::*;
+use proptest::strategy::Strategy;
 
 const SIZE: [u32; 2] = [32, 18];
 /// Scenes of each property in the normal run, and in the long one.
 const FEW: u32 = 4;
 const MANY: u32 = 1000;
+
+/// How many scenes the long run tries.
+fn many() -> u32 {
+    std::env::var("NEPHOS_SCENES").ok().and_then(|many| many.parse().ok()).unwrap_or(MANY)
+}
 
 /// Coarse light, so that a picture takes a tenth of a second; no grain.
 const COARSE: Quality = Quality { light_resolution: 16, light_cells: 8, jitter: false, ..Quality::DRAFT };
@@ -45,40 +48,71 @@ fn coarse(scene: &Scene) -> Picture {
     picture(scene, COARSE, Transport::Moments)
 }
 
+fn sum_of_squares(values: impl Iterator<Item = f32>) -> f64 {
+    values.map(|x| f64::from(x).powi(2)).sum()
+}
+
+/// Sum of the squares of light and opacity; none of a picture in which as good as nothing is seen.
+fn seen(picture: &Picture) -> Option<f64> {
+    Some(sum_of_squares(picture.pixels.iter().flatten().copied())).filter(|sum| *sum > 1e-4)
+}
+
 /// Root mean square difference of light and opacity over that of the first picture.
-fn difference(a: &Picture, b: &Picture) -> f64 {
-    let square = |values: &mut dyn Iterator<Item = f32>| values.map(|x| f64::from(x * x)).sum::<f64>();
+fn difference(a: &Picture, b: &Picture) -> Option<f64> {
     let pairs = a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
-    let apart = square(&mut pairs.map(|(a, b)| a - b));
-    let whole = square(&mut a.pixels.iter().flatten().copied());
-    if whole < 1e-4 { 0.0 } else { (apart / whole).sqrt() }
+    Some((sum_of_squares(pairs.map(|(a, b)| a - b)) / seen(a)?).sqrt())
+}
+
+/// Noise that moves an edge by many times its own scale leaves spikes, which only steps as short as
+/// they are thin find: it is kept within four times its scale.
+fn calm_scenes() -> impl Strategy<Value = Scene> {
+    scenes().prop_map(without_spikes)
+}
+
+fn without_spikes(mut scene: Scene) -> Scene {
+    let most = 4.0 * scene.noise.scale;
+    for cloud in &mut scene.clouds {
+        let own = cloud.ellipsoids.iter_mut().filter_map(|ellipsoid| ellipsoid.edge.as_mut());
+        own.chain([&mut cloud.edge]).for_each(|edge| edge.boundary = edge.boundary.min(most));
+    }
+    scene
 }
 
 /// The property that a change of the scene changes the picture by less than `bound`.
-fn keeps_the_picture(cases: u32, bound: f64, change: impl Fn(&mut Scene)) {
-    check(cases, &scenes(), |scene| {
+fn keeps_the_picture(cases: u32, bounds: Bounds, change: impl Fn(&mut Scene)) {
+    check(cases, &calm_scenes(), bounds, |scene| {
         let mut other = scene.clone();
         change(&mut other);
-        let apart = difference(&coarse(&scene), &coarse(&other));
-        prop_assert!(apart <= bound, "{apart} of the picture changed");
-        Ok(())
+        difference(&coarse(&scene), &coarse(&other))
     });
 }
 
 fn light_is_finite_and_bounded(cases: u32) {
-    check(cases, &scenes(), |scene| {
-        for pixel in &coarse(&scene).pixels {
-            let good = pixel.iter().all(|c| c.is_finite() && *c >= 0.0) && pixel[3] <= 1.0;
-            prop_assert!(good, "{pixel:?}");
-        }
-        Ok(())
+    check(cases, &scenes(), Bounds { half: 0.0, all: 0.0 }, |scene| {
+        let good = |pixel: &&[f32; 4]| pixel.iter().all(|c| c.is_finite() && *c >= 0.0) && pixel[3] <= 1.0;
+        let picture = coarse(&scene);
+        let bad = picture.pixels.len() - picture.pixels.iter().filter(good).count();
+        // What is not a number is not seen either.
+        if bad > 0 { Some(bad as f64) } else { seen(&picture).map(|_| 0.0) }
     });
 }
 
 /// Seen from outside: light in the middle of a cloud hundreds of mean free paths thick is not
 /// found, nor seen by anyone.
 fn a_white_furnace_stays_white(cases: u32) {
-    check(cases, &scenes(), |mut scene| {
+    white_furnace(cases, COARSE, Bounds { half: 0.005, all: 0.03 });
+}
+
+fn a_white_furnace_of_more_cells_stays_whiter(cases: u32) {
+    white_furnace(
+        cases.div_ceil(2),
+        Quality { light_cells: 32, ..COARSE },
+        Bounds { half: 0.005, all: 0.01 },
+    );
+}
+
+fn white_furnace(cases: u32, quality: Quality, bounds: Bounds) {
+    check(cases, &scenes(), bounds, |mut scene| {
         scene.sky = white();
         scene.sun.irradiance = [0.0; 3];
         for cloud in &mut scene.clouds {
@@ -88,12 +122,9 @@ fn a_white_furnace_stays_white(cases: u32) {
         let camera = scene.camera.as_mut().unwrap();
         let away = (camera.position - camera.target).normalize();
         camera.position = camera.target + 3000.0 * away;
-        for pixel in coarse(&scene).pixels.iter().filter(|pixel| pixel[3] > 0.1) {
-            let light = pixel[1] / pixel[3];
-            // 8 cells: measured 0.011, where droplets throw light back.
-            prop_assert!((light - 1.0).abs() < 0.02, "{light}");
-        }
-        Ok(())
+        let picture = picture(&scene, quality, Transport::Moments);
+        let thick = picture.pixels.iter().filter(|pixel| pixel[3] > 0.1);
+        thick.map(|pixel| f64::from(pixel[1] / pixel[3] - 1.0).abs()).max_by(f64::total_cmp)
     });
 }
 
@@ -101,24 +132,23 @@ fn a_white_furnace_stays_white(cases: u32) {
 /// H(1)^2 / 8 pi = 0.34 of the irradiance as radiance, where sun and eye are at the zenith, and
 /// H(1)^2 / 4 pi where the sun grazes it (Chandrasekhar 1950).
 fn isotropic_clouds_return_no_more_than_a_half_space(cases: u32) {
-    check(cases, &scenes(), |mut scene| {
+    check(cases, &scenes(), Bounds { half: 0.34, all: 0.68 }, |mut scene| {
         scene.sky = Sky::None;
         scene.clouds.iter_mut().for_each(|cloud| cloud.droplets.phase = Phase::Isotropic);
-        for pixel in &coarse(&scene).pixels {
-            prop_assert!(pixel[1] < 0.68, "{pixel:?}");
-        }
-        Ok(())
+        let picture = coarse(&scene);
+        seen(&picture)?;
+        picture.pixels.iter().map(|pixel| f64::from(pixel[1])).max_by(f64::total_cmp)
     });
 }
 
 fn the_order_of_ellipsoids_does_not_matter(cases: u32) {
-    keeps_the_picture(cases, 0.01, |scene| {
+    keeps_the_picture(cases, Bounds { half: 1e-3, all: 0.01 }, |scene| {
         scene.clouds.iter_mut().for_each(|cloud| cloud.ellipsoids.reverse());
     });
 }
 
 fn far_from_the_origin_is_like_near_it(cases: u32) {
-    keeps_the_picture(cases, 0.01, |scene| {
+    keeps_the_picture(cases, Bounds { half: 1e-3, all: 0.01 }, |scene| {
         let far = DVec3::new(1e5, 0.0, -7e4);
         scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids).for_each(|e| e.center += far);
         scene.noise.offset += far;
@@ -128,10 +158,43 @@ fn far_from_the_origin_is_like_near_it(cases: u32) {
     });
 }
 
+/// A second copy of every ellipsoid cuts each ray into more pieces.
+fn an_ellipsoid_twice_is_an_ellipsoid_once(cases: u32) {
+    keeps_the_picture(cases, Bounds { half: 1e-3, all: 0.01 }, |scene| {
+        scene.clouds.iter_mut().for_each(|cloud| cloud.ellipsoids.extend_from_within(..));
+    });
+}
+
+/// Where nothing scatters a ray is cut all the same.
+fn an_empty_ellipsoid_within_another_changes_nothing(cases: u32) {
+    keeps_the_picture(cases, Bounds { half: 0.03, all: 0.5 }, |scene| {
+        for cloud in &mut scene.clouds {
+            let empty = |e: &Ellipsoid| Ellipsoid { radii: 0.5 * e.radii, density: 0.0, ..e.clone() };
+            let within: Vec<_> = cloud.ellipsoids.iter().map(empty).collect();
+            cloud.ellipsoids.extend(within);
+        }
+    });
+}
+
+/// A ray may begin its steps anywhere.
+fn where_steps_fall_does_not_matter(cases: u32) {
+    other_qualities_show_the_same(cases, Quality { jitter: true, ..COARSE }, Bounds { half: 0.02, all: 0.6 });
+}
+
 /// By a quarter, which the directions that light is solved along go with.
 fn the_world_has_no_north(cases: u32) {
-    keeps_the_picture(cases, 0.03, |scene| {
-        let turn = DQuat::from_rotation_y(-FRAC_PI_2);
+    turned_about_the_zenith(cases, 90.0, Bounds { half: 0.02, all: 1.0 });
+}
+
+/// By any angle, which the directions that light is solved along do not go with, nor the boxes of
+/// its maps.
+fn the_world_has_no_axes(cases: u32) {
+    turned_about_the_zenith(cases, 37.0, Bounds { half: 0.03, all: 1.0 });
+}
+
+fn turned_about_the_zenith(cases: u32, angle_deg: f64, bounds: Bounds) {
+    keeps_the_picture(cases, bounds, |scene| {
+        let turn = DQuat::from_rotation_y(-angle_deg.to_radians());
         for ellipsoid in scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.center = turn * ellipsoid.center;
             ellipsoid.orientation = (turn * ellipsoid.orientation).normalize();
@@ -141,17 +204,15 @@ fn the_world_has_no_north(cases: u32) {
         camera.position = turn * camera.position;
         camera.target = turn * camera.target;
         if let SunPosition::Angles { azimuth_deg, .. } = &mut scene.sun.position {
-            *azimuth_deg = (*azimuth_deg + 90.0) % 360.0;
+            *azimuth_deg = (*azimuth_deg + angle_deg) % 360.0;
         }
     });
 }
 
-fn other_qualities_show_the_same(cases: u32, other: Quality, bound: f64) {
-    check(cases, &scenes(), |scene| {
+fn other_qualities_show_the_same(cases: u32, other: Quality, bounds: Bounds) {
+    check(cases, &calm_scenes(), bounds, |scene| {
         let [one, other] = [COARSE, other].map(|quality| picture(&scene, quality, Transport::Single));
-        let apart = difference(&other, &one);
-        prop_assert!(apart <= bound, "{apart} of the picture changed");
-        Ok(())
+        difference(&other, &one)
     });
 }
 
@@ -163,17 +224,21 @@ fn twice_the_samples_show_the_same(cases: u32) {
         max_steps: 2 * COARSE.max_steps,
         ..COARSE
     };
-    other_qualities_show_the_same(cases, finer, 0.3);
+    other_qualities_show_the_same(cases, finer, Bounds { half: 0.02, all: 0.6 });
 }
 
 fn finer_maps_show_the_same(cases: u32) {
-    other_qualities_show_the_same(cases, Quality { light_resolution: 32, ..COARSE }, 0.3);
+    other_qualities_show_the_same(
+        cases,
+        Quality { light_resolution: 32, ..COARSE },
+        Bounds { half: 0.01, all: 0.1 },
+    );
 }
 
 /// Pictures along a way change evenly: what the middle of three differs by from the mean of its
 /// neighbours.
-fn nothing_pops(cases: u32, bound: f64, step: impl Fn(&mut Scene, f64)) {
-    check(cases, &scenes(), |scene| {
+fn nothing_pops(cases: u32, bounds: Bounds, step: impl Fn(&mut Scene, f64)) {
+    check(cases, &calm_scenes(), bounds, |scene| {
         let pictures: Vec<_> = (0..4)
             .map(|i| {
                 let mut moved = scene.clone();
@@ -181,20 +246,19 @@ fn nothing_pops(cases: u32, bound: f64, step: impl Fn(&mut Scene, f64)) {
                 coarse(&moved)
             })
             .collect();
-        for three in pictures.windows(3) {
+        let jump = |three: &[Picture]| {
             let mut between = three[0].clone();
             for (a, b) in between.pixels.iter_mut().flatten().zip(three[2].pixels.iter().flatten()) {
                 *a = 0.5 * (*a + b);
             }
-            let jump = difference(&three[1], &between);
-            prop_assert!(jump <= bound, "{jump} of the picture jumps");
-        }
-        Ok(())
+            difference(&three[1], &between)
+        };
+        pictures.windows(3).map(jump).collect::<Option<Vec<_>>>()?.into_iter().max_by(f64::total_cmp)
     });
 }
 
 fn nothing_pops_when_the_sun_moves(cases: u32) {
-    nothing_pops(cases, 0.03, |scene, i| {
+    nothing_pops(cases, Bounds { half: 0.003, all: 0.03 }, |scene, i| {
         if let SunPosition::Angles { azimuth_deg, elevation_deg } = &mut scene.sun.position {
             *azimuth_deg += 0.1 * i;
             *elevation_deg += 0.05 * i;
@@ -203,7 +267,7 @@ fn nothing_pops_when_the_sun_moves(cases: u32) {
 }
 
 fn nothing_pops_when_the_camera_moves(cases: u32) {
-    nothing_pops(cases, 0.05, |scene, i| {
+    nothing_pops(cases, Bounds { half: 0.003, all: 0.05 }, |scene, i| {
         let camera = scene.camera.as_mut().unwrap();
         let away = camera.position - camera.target;
         camera.position += 1e-4 * i * away.any_orthogonal_vector();
@@ -211,7 +275,9 @@ fn nothing_pops_when_the_camera_moves(cases: u32) {
 }
 
 fn nothing_pops_when_an_ellipsoid_moves(cases: u32) {
-    nothing_pops(cases, 0.05, |scene, i| scene.clouds[0].ellipsoids[0].center.x += 0.02 * i);
+    nothing_pops(cases, Bounds { half: 0.003, all: 0.05 }, |scene, i| {
+        scene.clouds[0].ellipsoids[0].center.x += 0.02 * i
+    });
 }
 
 /// Each property twice: on a few scenes, and on many.
@@ -221,7 +287,7 @@ macro_rules! properties {
             $(#[test] fn $name() { super::$name(super::FEW); })*
         }
         mod many {
-            $(#[test] #[ignore = "long"] fn $name() { super::$name(super::MANY); })*
+            $(#[test] #[ignore = "long"] fn $name() { super::$name(super::many()); })*
         }
     };
 }
@@ -229,10 +295,15 @@ macro_rules! properties {
 properties!(
     light_is_finite_and_bounded,
     a_white_furnace_stays_white,
+    a_white_furnace_of_more_cells_stays_whiter,
     isotropic_clouds_return_no_more_than_a_half_space,
     the_order_of_ellipsoids_does_not_matter,
     far_from_the_origin_is_like_near_it,
+    an_ellipsoid_twice_is_an_ellipsoid_once,
+    an_empty_ellipsoid_within_another_changes_nothing,
+    where_steps_fall_does_not_matter,
     the_world_has_no_north,
+    the_world_has_no_axes,
     twice_the_samples_show_the_same,
     finer_maps_show_the_same,
     nothing_pops_when_the_sun_moves,

@@ -15,9 +15,11 @@ mod tables;
 mod terminal;
 mod trace;
 
-use std::process::ExitCode;
+use std::{process::ExitCode, sync::atomic::Ordering};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
+
+use crate::{Error, gpu};
 
 /// Clouds from ellipsoids, fractal noise and Mie scattering.
 #[derive(Debug, Parser)]
@@ -55,11 +57,43 @@ fn command() -> Command {
     asked.command.unwrap_or_else(nothing)
 }
 
+/// Exit code of what Ctrl-C has stopped, as shells have it.
+const STOPPED: u8 = 130;
+
+/// Has Ctrl-C stop work on the device where files are whole, and a second one stop all at once.
+fn listen_to_ctrl_c() {
+    use signal_hook::{consts::SIGINT, flag};
+    let stop = gpu::stop_flag();
+    let listening = flag::register_conditional_shutdown(SIGINT, STOPPED.into(), stop.clone())
+        .and_then(|_| flag::register(SIGINT, stop.clone()));
+    if let Err(error) = listening {
+        tracing::warn!(%error, "Ctrl-C will stop the program wherever it is");
+    }
+}
+
+impl Command {
+    /// Whether it waits for the device, and can stop there.
+    fn draws(&self) -> bool {
+        matches!(self, Self::Render(_) | Self::Export(_) | Self::Sequence(_) | Self::Bench(_))
+    }
+}
+
+/// The error of work that was stopped, if it was, with what is kept of it.
+fn stopped(error: Error, kept: impl FnOnce() -> String) -> Error {
+    // Programs that work for this one may have been stopped, too: then theirs is the error.
+    let asked = gpu::stop_flag().load(Ordering::Relaxed);
+    if asked || matches!(error, Error::Stopped { .. }) { Error::Stopped { kept: kept() } } else { error }
+}
+
 /// Runs the program: 0 where all went well, 1 where it did not, 2 for words that it does
-/// not know.
+/// not know, 130 where Ctrl-C stopped it.
 pub fn main() -> ExitCode {
     terminal::log();
-    let result = match command() {
+    let command = command();
+    if command.draws() {
+        listen_to_ctrl_c();
+    }
+    let result = match command {
         #[cfg(feature = "editor")]
         Command::Edit(command) => command.run(),
         Command::Render(command) => command.run(),
@@ -76,7 +110,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("nephos: {error}");
-            ExitCode::FAILURE
+            if matches!(error, Error::Stopped { .. }) { STOPPED.into() } else { ExitCode::FAILURE }
         }
     }
 }

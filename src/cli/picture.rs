@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 
+use super::stopped;
 use crate::{
     Error, Result,
     export::{self, Notes, Picture},
@@ -123,6 +124,8 @@ pub(super) struct Job<'a> {
 pub(super) struct Drawn {
     pub picture: Picture,
     pub estimate: Option<Estimate>,
+    /// Whether it was stopped on the way.
+    pub stopped: bool,
 }
 
 impl Painter {
@@ -207,16 +210,21 @@ impl PictureOptions {
         job: &Job<'_>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Option<Estimate>> {
+        let unwritten =
+            |error| stopped(error, || format!("nothing was written to `{}`", job.output.display()));
         if self.layers {
             let frame = self.frame(job.scene)?;
-            let layers = painter.renderer.render_layers(&painter.gpu, &frame, progress)?;
+            let layers = painter.renderer.render_layers(&painter.gpu, &frame, progress).map_err(unwritten)?;
             let n = self.rays_across() as usize;
             export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
             return Ok(None);
         }
-        let drawn = self.draw(painter, job, progress)?;
-        self.write(painter, job, &drawn)?;
-        Ok(drawn.estimate)
+        let drawn = self.draw(painter, job, progress).map_err(unwritten)?;
+        self.write(painter, job, &drawn).map_err(unwritten)?;
+        match drawn.estimate {
+            Some(estimate) if drawn.stopped => Err(Error::Stopped { kept: kept(job.output, &estimate) }),
+            estimate => Ok(estimate),
+        }
     }
 
     /// Draws a picture; writes nothing but what a path traced one keeps on the way.
@@ -233,7 +241,7 @@ impl PictureOptions {
         let target = Target { color: &view, depth: None, sky: !self.transparent };
         painter.renderer.render_in_pieces(&painter.gpu, &frame, &target, progress)?;
         let picture = Picture::read(&painter.gpu, &linear)?.reduced(self.rays_across() as usize);
-        Ok(Drawn { picture, estimate: None })
+        Ok(Drawn { picture, estimate: None, stopped: false })
     }
 
     /// Writes a drawn picture, whole or not at all.
@@ -268,6 +276,15 @@ impl PictureOptions {
 
     pub(super) fn traces_paths(&self) -> bool {
         matches!(self.transport, TransportName::Path)
+    }
+}
+
+/// What there is of a picture that was stopped, and how to go on.
+fn kept(output: &Path, estimate: &Estimate) -> String {
+    let so_far = format!("`{}` is whole, with {} samples a pixel", output.display(), estimate.samples);
+    match Format::of(output) {
+        Ok(Format::Exr) => so_far + "; the same command with --resume goes on",
+        _ => so_far,
     }
 }
 

@@ -1,12 +1,16 @@
 //! `--transport path`: pictures that get better until they are good enough, are kept
 //! on the way, and can be gone on with.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 use super::picture::{Drawn, Job, Painter, PictureOptions};
 use crate::{
     Error, Result,
     export::{self, Picture},
+    gpu,
     reference::{Estimate, PathTracer, Stop},
     render::Frame,
     scene::Scene,
@@ -42,7 +46,9 @@ impl PictureOptions {
             }
             Ok(true)
         })?;
-        Ok(self.composed(sky.as_ref(), estimate))
+        // What there is so far is worth to be finished, where it is wanted.
+        let stopped = job.keep && gpu::stop_flag().swap(false, Ordering::Relaxed);
+        Ok(Drawn { stopped, ..self.composed(sky.as_ref(), estimate) })
     }
 
     fn stop(&self) -> Stop {
@@ -82,7 +88,7 @@ impl PictureOptions {
         if let Some(sky) = sky {
             picture.put_over(sky);
         }
-        Drawn { picture, estimate: Some(estimate) }
+        Drawn { picture, estimate: Some(estimate), stopped: false }
     }
 }
 

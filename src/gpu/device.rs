@@ -2,7 +2,7 @@
 //! tests and the editor alike.
 
 use std::sync::{
-    Arc, Mutex,
+    Arc, LazyLock, Mutex,
     atomic::{AtomicBool, Ordering},
 };
 
@@ -46,6 +46,13 @@ pub struct Gpu {
     complaint: Arc<Mutex<Option<String>>>,
 }
 
+/// While this is true, waiting for any device of this process ends in [`Error::Stopped`]: for those who
+/// catch Ctrl-C, or stop long work from another thread.
+pub fn stop_flag() -> &'static Arc<AtomicBool> {
+    static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+    &STOP
+}
+
 /// Every adapter of this machine, best first.
 pub async fn adapters() -> Vec<AdapterSummary> {
     let mut list = all(&instance()).await;
@@ -62,9 +69,14 @@ impl Gpu {
     /// [`Error::Adapter`] when there is none, with what to install.
     pub async fn open(name: Option<&str>) -> Result<Self> {
         let adapter = choose(all(&instance()).await, name)?;
+        let wanted = wanted(&adapter);
+        Self::request(&adapter, &wanted).await
+    }
+
+    async fn request(adapter: &wgpu::Adapter, wanted: &wgpu::DeviceDescriptor<'_>) -> Result<Self> {
         let info = adapter.get_info();
         tracing::info!(adapter = info.name, backend = ?info.backend, "opening adapter");
-        let (device, queue) = adapter.request_device(&wanted(&adapter)).await.map_err(|error| {
+        let (device, queue) = adapter.request_device(wanted).await.map_err(|error| {
             Error::Adapter(format!(
                 "the adapter `{}` would not open: {error}. `nephos info` lists the others; \
                      choose one with --adapter NAME.",
@@ -99,7 +111,8 @@ impl Gpu {
     /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// [`Error::Gpu`] when the device was lost or the driver complained since the last call.
+    /// [`Error::Gpu`] when the device was lost or the driver complained since the last call,
+    /// [`Error::Stopped`] when [`stop_flag`] was set.
     pub fn finish(&self, doing: &str) -> Result<()> {
         let fail = |reason: String| Err(Error::Gpu { doing: doing.to_owned(), reason });
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
@@ -111,6 +124,9 @@ impl Gpu {
                          picture size or the quality"
                     .to_owned(),
             );
+        }
+        if stop_flag().load(Ordering::Relaxed) {
+            return Err(Error::Stopped { kept: "files that were written are whole".to_owned() });
         }
         match self.complaint.lock().ok().and_then(|mut slot| slot.take()) {
             Some(reason) => fail(reason),
@@ -178,4 +194,26 @@ fn no_adapter() -> String {
         "Update the driver of your graphics card."
     };
     format!("no graphics adapter was found (Vulkan, Metal or DirectX 12). {remedy}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_adapter_whose_limits_are_too_low_is_refused_with_a_sentence() {
+        pollster::block_on(async {
+            let adapter = choose(all(&instance()).await, None).unwrap();
+            let mut wanted = wanted(&adapter);
+            let most = adapter.limits().max_texture_dimension_2d;
+            wanted.required_limits.max_texture_dimension_2d = 2 * most;
+            let error = Gpu::request(&adapter, &wanted).await.unwrap_err().to_string();
+            let (asked, most) = ((2 * most).to_string(), most.to_string());
+            for word in
+                [&adapter.get_info().name, "max_texture_dimension_2d", &asked, &most, "--adapter NAME"]
+            {
+                assert!(error.contains(word), "{error}");
+            }
+        });
+    }
 }

@@ -7,7 +7,7 @@ mod shader;
 mod texture;
 mod timing;
 
-pub use device::{AdapterSummary, Gpu, adapters};
+pub use device::{AdapterSummary, Gpu, adapters, stop_flag};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
 pub(crate) use pack::{Pack, Place};

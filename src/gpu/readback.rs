@@ -3,6 +3,9 @@
 use super::Gpu;
 use crate::{Error, Result};
 
+/// Most bytes that are read back at once: a buffer can hold as much everywhere, a large picture is larger.
+const BAND: u64 = 1 << 26;
+
 /// Bytes of mip level `mip` of a texture, rows and slices tightly packed.
 ///
 /// # Errors
@@ -15,30 +18,59 @@ pub fn read_texture(gpu: &Gpu, texture: &wgpu::Texture, mip: u32) -> Result<Vec<
         _ => size.depth_or_array_layers,
     };
     let texel = texture.format().block_copy_size(None).unwrap_or(1);
-    let row = width * texel;
-    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let staging = staging(gpu, u64::from(padded) * u64::from(height) * u64::from(depth));
+    let row = (width * texel) as usize;
+    let padded = (width * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let mut bytes = Vec::with_capacity(row * height as usize * depth as usize);
+    for (origin, extent) in bands([width, height, depth], (BAND / u64::from(padded)) as u32) {
+        let lines = read_band(gpu, texture, mip, padded, origin, extent)?;
+        lines.chunks(padded as usize).for_each(|line| bytes.extend_from_slice(&line[..row]));
+    }
+    Ok(bytes)
+}
+
+/// The whole where it has no more than `most` rows, else bands of so many, slice by slice.
+fn bands(
+    [width, height, depth]: [u32; 3],
+    most: u32,
+) -> impl Iterator<Item = (wgpu::Origin3d, wgpu::Extent3d)> {
+    let whole = u64::from(height) * u64::from(depth) <= u64::from(most);
+    let (rows, slices) = if whole { (height, depth) } else { (most.clamp(1, height), 1) };
+    (0..depth).step_by(slices as usize).flat_map(move |z| {
+        (0..height).step_by(rows as usize).map(move |y| {
+            let extent =
+                wgpu::Extent3d { width, height: rows.min(height - y), depth_or_array_layers: slices };
+            (wgpu::Origin3d { x: 0, y, z }, extent)
+        })
+    })
+}
+
+/// Rows of `padded` bytes of a part of a texture.
+fn read_band(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    mip_level: u32,
+    padded: u32,
+    origin: wgpu::Origin3d,
+    extent: wgpu::Extent3d,
+) -> Result<Vec<u8>> {
+    let rows = u64::from(extent.height) * u64::from(extent.depth_or_array_layers);
+    let staging = staging(gpu, u64::from(padded) * rows);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let aspect = wgpu::TextureAspect::All;
     encoder.copy_texture_to_buffer(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: mip,
-            origin: wgpu::Origin3d::ZERO,
-            aspect: wgpu::TextureAspect::All,
-        },
+        wgpu::TexelCopyTextureInfo { texture, mip_level, origin, aspect },
         wgpu::TexelCopyBufferInfo {
             buffer: &staging,
             layout: wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(padded),
-                rows_per_image: Some(height),
+                rows_per_image: Some(extent.height),
             },
         },
-        wgpu::Extent3d { width, height, depth_or_array_layers: depth },
+        extent,
     );
     gpu.queue.submit([encoder.finish()]);
-    let bytes = map(gpu, &staging)?;
-    Ok(bytes.chunks(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect())
+    map(gpu, &staging)
 }
 
 /// Contents of a buffer that has `COPY_SRC`.
@@ -74,4 +106,27 @@ fn map(gpu: &Gpu, staging: &wgpu::Buffer) -> Result<Vec<u8>> {
     receiver.recv().map_err(|error| failed(error.to_string()))?.map_err(|error| failed(error.to_string()))?;
     let view = slice.get_mapped_range().map_err(|error| failed(error.to_string()))?;
     Ok(view.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bands_cover_every_row_once_and_are_no_larger_than_asked() {
+        for (size, most) in
+            [([8, 5, 3], 100), ([8, 5, 3], 15), ([8, 5, 3], 14), ([8, 5, 1], 2), ([8, 5, 2], 0)]
+        {
+            let mut rows: Vec<_> = bands(size, most)
+                .flat_map(|(origin, extent)| {
+                    assert!(extent.height * extent.depth_or_array_layers <= most.max(1));
+                    let slices = origin.z..origin.z + extent.depth_or_array_layers;
+                    slices.flat_map(move |z| (origin.y..origin.y + extent.height).map(move |y| (z, y)))
+                })
+                .collect();
+            let found = rows.len();
+            rows.dedup();
+            assert!(found == rows.len() && rows.is_sorted() && found as u32 == size[1] * size[2]);
+        }
+    }
 }

@@ -11,6 +11,12 @@ use crate::{Error, Result};
 pub(super) fn open(path: &Path) -> Result<Gltf> {
     let bytes =
         fs::read(path).map_err(|source| Error::File { action: "read", path: path.to_owned(), source })?;
+    // The reader of binary files trusts that they tell a length of at least their own header.
+    const HEADER: u32 = 12;
+    let told = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
+    if bytes.starts_with(b"glTF") && told.is_none_or(|length| length < HEADER) {
+        return Err(foreign(path, &"its header is cut or damaged"));
+    }
     Gltf::from_slice(&bytes).map_err(|error| foreign(path, &error))
 }
 

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{Estimate, PathTracer};
-use crate::Result;
+use crate::{Error, Result};
 
 /// Ends a picture at whichever of these comes first; the default never ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,23 +36,36 @@ const LEAST_FOR_NOISE: u32 = 24;
 
 impl PathTracer {
     /// Adds samples until `stop`, and gives what has been found. `progress` is told after each
-    /// piece of work; false from it ends the picture with the last whole one.
+    /// piece of work; false from it ends the picture with the last whole one, as does
+    /// [`crate::gpu::stop_flag`] where there is one.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] when the device fails, or what `progress` fails with.
+    /// [`Error::Gpu`] when the device fails, [`Error::Stopped`], or what `progress` fails with.
     pub fn trace_until(
         &mut self,
         stop: &Stop,
         progress: &mut dyn FnMut(&Progress<'_>) -> Result<bool>,
     ) -> Result<Estimate> {
         let mut run = Run::new(self.estimate()?, self.unit());
+        match self.improve(&mut run, stop, progress) {
+            Err(Error::Stopped { .. }) if run.estimate.samples > 0 => Ok(run.estimate),
+            result => result.map(|()| run.estimate),
+        }
+    }
+
+    fn improve(
+        &mut self,
+        run: &mut Run,
+        stop: &Stop,
+        progress: &mut dyn FnMut(&Progress<'_>) -> Result<bool>,
+    ) -> Result<()> {
         while let Some(samples) = run.next(stop) {
             let mut share = 0.0;
             while share < 1.0 {
                 share = self.advance(samples)?;
                 let told = Progress { share: run.share(stop, samples, share), estimate: None };
                 if !progress(&told)? {
-                    return Ok(run.estimate);
+                    return Ok(());
                 }
             }
             run.estimate = self.estimate()?;
@@ -61,7 +74,7 @@ impl PathTracer {
                 break;
             }
         }
-        Ok(run.estimate)
+        Ok(())
     }
 }
 

@@ -190,6 +190,11 @@ impl CloudsPass {
         clouds.iter().zip(packed).map(bound).collect()
     }
 
+    /// What has been compiled so far.
+    pub fn variants(&self) -> impl Iterator<Item = &Variant> {
+        self.pipelines.keys().map(|(variant, _)| variant)
+    }
+
     /// The tables of `optics` on the device, uploaded when first needed.
     fn textures(&mut self, shared: &Shared<'_>, optics: &Arc<CloudOptics>) -> &OpticsTextures {
         let place =

@@ -22,7 +22,8 @@ use crate::gpu::{self, ComputeProgram, TextureDesc, Timing};
 
 /// The programs that prepare light.
 pub(super) struct LightPass {
-    sun_maps: ComputeProgram,
+    /// Without the map, and with it.
+    sun_maps: [Option<ComputeProgram>; 2],
     sun_normals: ComputeProgram,
     sky_volume: ComputeProgram,
     mips: ComputeProgram,
@@ -37,6 +38,8 @@ struct Key {
     seed: u32,
     light_box: LightBox,
     voxels: [u32; 3],
+    /// Whether anything reads the map that is seen along the light.
+    mapped: bool,
 }
 
 /// What fills a cloud, and on how many cells its light is solved for.
@@ -74,7 +77,7 @@ impl Wanted {
         };
         let coarse = || (medium((detail.cells / 2).max(8)), inputs.sky.settings());
         Self {
-            sun: key(inputs, cloud, others, -inputs.to_sun, resolution),
+            sun: Key { mapped: inputs.mapped, ..key(inputs, cloud, others, -inputs.to_sun, resolution) },
             sky: inputs.openness.then(|| key(inputs, cloud, &[], DVec3::NEG_Y, sky_resolution)),
             medium: inputs.moments.then(|| medium(detail.cells)),
             sky_medium: (inputs.moments && inputs.lit_by_sky).then(coarse),
@@ -140,6 +143,8 @@ pub(super) struct Inputs<'a> {
     pub openness: bool,
     /// Whether light is solved for on a grid.
     pub moments: bool,
+    /// Whether light is that of slabs, which are fitted to the map from the sun.
+    pub mapped: bool,
     /// Whether anything asks for the light of the sun.
     pub sunlit: bool,
     pub lit_by_sky: bool,
@@ -150,7 +155,7 @@ pub(super) struct Inputs<'a> {
 impl LightPass {
     pub fn new(device: &wgpu::Device) -> Self {
         Self {
-            sun_maps: ComputeProgram::new(device, "sun_maps", &[]),
+            sun_maps: [None, None],
             sun_normals: ComputeProgram::new(device, "sun_normals", &[]),
             sky_volume: ComputeProgram::new(device, "sky_volume", &[]),
             mips: ComputeProgram::new(device, "mips", &[]),
@@ -238,7 +243,7 @@ impl LightPass {
     }
 
     fn sun(
-        &self,
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         key: &Key,
@@ -246,21 +251,27 @@ impl LightPass {
         let device = inputs.device;
         let resolution = key.voxels[0];
         let sun_volume = view(&volume(device, "sun volume", key.voxels));
-        let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, resolution));
+        let map_resolution = if key.mapped { resolution } else { 1 };
+        let [depths, normals] = ["sun depths", "sun normals"].map(|label| map(device, label, map_resolution));
         let [depths_0, normals_0] = [&depths, &normals].map(|map| level(map, 0));
         let buffers = Buffers::new(inputs, key);
         let mut resources = buffers.bindings(inputs);
         resources.extend([&sun_volume, &depths_0].map(texture));
-        let group = self.sun_maps.bind(device, &resources);
+        let overrides = [("MAPPED", f64::from(u8::from(key.mapped)))];
+        let sun_maps = self.sun_maps[usize::from(key.mapped)]
+            .get_or_insert_with(|| ComputeProgram::new(device, "sun_maps", &overrides));
+        let group = sun_maps.bind(device, &resources);
         let groups = resolution.div_ceil(8);
         let stamps = || inputs.timing.and_then(|timing| timing.compute("sun maps"));
-        self.sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
-        let resources =
-            [Some(buffers.light_box.as_entire_binding()), texture(&depths_0), texture(&normals_0)];
-        let group = self.sun_normals.bind(device, &resources);
-        self.sun_normals.dispatch(encoder, &group, [groups, groups, 1], stamps());
-        for map in [&depths, &normals] {
-            self.fill_mips(encoder, inputs, map);
+        sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
+        if key.mapped {
+            let resources =
+                [Some(buffers.light_box.as_entire_binding()), texture(&depths_0), texture(&normals_0)];
+            let group = self.sun_normals.bind(device, &resources);
+            self.sun_normals.dispatch(encoder, &group, [groups, groups, 1], stamps());
+            for map in [&depths, &normals] {
+                self.fill_mips(encoder, inputs, map);
+            }
         }
         (sun_volume, view(&depths), view(&normals))
     }
@@ -301,7 +312,7 @@ fn key(
     light_box.chop = cloud.optics.chop;
     light_box.asymmetry = cloud.optics.asymmetry;
     let voxels = light_box.voxels(resolution);
-    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box, voxels }
+    Key { ellipsoids, noise: cloud.noise, seed: inputs.seed, light_box, voxels, mapped: false }
 }
 
 /// What a pass through a light box binds.

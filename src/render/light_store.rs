@@ -57,7 +57,7 @@ impl LightStore {
     }
 
     /// Makes what the clouds `in_view` lack of light, for `most` clouds: those first that have none or
-    /// the oldest. `flush` may submit what is recorded so far, after each of them.
+    /// the oldest. `flush` may submit what is recorded so far, after each of them, and end it.
     #[allow(clippy::too_many_arguments)]
     pub fn prepare(
         &mut self,
@@ -67,7 +67,7 @@ impl LightStore {
         quality: &Quality,
         in_view: &[bool],
         most: u32,
-        flush: &mut dyn FnMut(&mut wgpu::CommandEncoder),
+        flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
         self.pictures += 1;
         self.waiting = 0;
@@ -96,10 +96,9 @@ impl LightStore {
                 let place = place(cloud);
                 before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept { place, ..kept })
             } else {
-                left -= 1;
                 let before = before.map(|kept| kept.light);
                 let light = self.pass.prepare(encoder, inputs, cloud, wanted, before, &mut self.redone);
-                flush(encoder);
+                left = if flush(encoder) { left - 1 } else { 0 };
                 Some(Kept { place: place(cloud), light, made: self.pictures })
             };
         }

@@ -2,6 +2,8 @@
 
 mod pieces;
 
+use std::sync::atomic::Ordering;
+
 use super::{
     Counts, Quality,
     clouds::{CloudsPass, Draw, Seen, Shared},
@@ -82,6 +84,11 @@ impl Transport {
             _ => true,
         }
     }
+
+    /// Whether light is that of slabs, which are fitted to the maps that are seen from the sun.
+    fn needs_maps(self) -> bool {
+        matches!(self, Self::DeltaEddington | Self::Slab | Self::SlabKol | Self::SlabBouthors)
+    }
 }
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
@@ -111,6 +118,7 @@ pub struct Renderer {
     lights: LightStore,
     covers: Vec<Cover>,
     redone: u32,
+    noises: u32,
     sky: Sky,
     clouds: CloudsPass,
     slab: Option<((Transport, SlabTable), SlabTextures)>,
@@ -121,8 +129,8 @@ pub struct Renderer {
     no_depth: wgpu::TextureView,
 }
 
-/// May submit what was recorded so far.
-type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder);
+/// May submit what was recorded so far; says whether to go on.
+type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -144,6 +152,7 @@ impl Renderer {
             lights: LightStore::new(device),
             covers: Vec::new(),
             redone: 0,
+            noises: 0,
             sky: Sky::new(device),
             clouds: CloudsPass::new(device),
             slab: None,
@@ -167,7 +176,7 @@ impl Renderer {
     /// Records the light of the clouds of `frame` alone, of [`Renderer::lights_at_once`] at most: a
     /// picture that follows finds it made.
     pub fn prepare_light(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        self.prepare(encoder, frame, &mut |_| ());
+        self.prepare(encoder, frame, &mut |_| true);
     }
 
     /// Records the sky alone, over all of `color`: for callers that draw geometry between
@@ -267,6 +276,17 @@ impl Renderer {
         self.redone + self.lights.redone
     }
 
+    /// How many noise volumes this renderer has made so far: one for each seed after another.
+    pub fn noise_updates(&self) -> u32 {
+        self.noises
+    }
+
+    /// What `shaders/clouds.wgsl` has been compiled for so far: entry functions and their overrides,
+    /// which leave out what a scene does not use.
+    pub fn variants(&self) -> Vec<(&'static str, Vec<(&'static str, f64)>)> {
+        self.clouds.variants().map(|variant| (variant.entry, variant.overrides().to_vec())).collect()
+    }
+
     /// Clouds of the last picture that wait for their light: see [`Renderer::lights_at_once`].
     pub fn lights_waiting(&self) -> u32 {
         self.lights.waiting
@@ -308,6 +328,7 @@ impl Renderer {
         if self.noise.as_ref().is_none_or(|(known, _)| *known != seed) {
             let volume = noise::upload(&self.device, &self.queue, seed);
             self.noise = Some((seed, view(&volume)));
+            self.noises += 1;
         }
     }
 
@@ -326,6 +347,7 @@ impl Renderer {
             to_sun: frame.to_sun,
             openness: self.transport.needs_openness(self.sky.lights()),
             moments: self.transport == Transport::Moments,
+            mapped: self.transport.needs_maps(),
             sunlit: self.transport != Transport::Emitter,
             lit_by_sky: self.sky.lights(),
             sky: &self.sky,
@@ -398,13 +420,15 @@ impl Renderer {
 }
 
 /// Submits what was recorded and waits for it: what it alone used is free again, and no
-/// submission runs into a driver's time limit. Failures show when the picture is finished.
-fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+/// submission runs into a driver's time limit. Failures show when the picture is finished; where
+/// it is given up, no more light is made.
+fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> bool {
     let full = std::mem::replace(encoder, gpu.device.create_command_encoder(&Default::default()));
     gpu.queue.submit([full.finish()]);
     if let Err(error) = gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
         tracing::error!(%error, "waiting for light");
     }
+    !gpu::stop_flag().load(Ordering::Relaxed)
 }
 
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {

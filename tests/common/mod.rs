@@ -2,6 +2,7 @@
 //! function of `shaders/lib` over many inputs.
 #![allow(dead_code, reason = "every test file uses its own part of it")]
 
+pub mod compiled;
 #[cfg(feature = "editor")]
 pub mod desk;
 #[cfg(feature = "export")]

@@ -1,28 +1,81 @@
 //! Random valid scenes, small and from all over what a scene may be, for tests of properties.
 
+use std::{
+    cell::RefCell,
+    time::{Duration, Instant},
+};
+
 use glam::{DQuat, DVec3};
 use nephos::scene::{
     Camera, Cloud, Droplets, Edge, Ellipsoid, Noise, Phase, Projection, Scene, Sky, Sun, SunPosition,
 };
 use proptest::{
     prelude::*,
-    test_runner::{Config, FileFailurePersistence, RngAlgorithm, TestCaseResult, TestRng, TestRunner},
+    test_runner::{Config, FileFailurePersistence, RngAlgorithm, TestRng, TestRunner},
 };
 
-/// Runs `property` on `cases` scenes, the same every time; what fails is shrunk and its seed kept.
-pub fn check<S: Strategy>(cases: u32, strategy: &S, property: impl Fn(S::Value) -> TestCaseResult) {
+/// What is asked of scenes: of half of them, where there are enough to tell, and of each.
+#[derive(Clone, Copy)]
+pub struct Bounds {
+    pub half: f64,
+    pub all: f64,
+}
+
+/// Measures `cases` scenes that show something, the same every time, and asks that no value be above
+/// its bound; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes to `target/tmp`. With
+/// NEPHOS_GO_ON it goes on past what fails.
+pub fn check<S: Strategy<Value = Scene>>(
+    cases: u32,
+    strategy: &S,
+    bounds: Bounds,
+    measure: impl Fn(Scene) -> Option<f64>,
+) {
     let kept = FileFailurePersistence::Direct("tests/random_scenes.seeds");
     let config = Config {
         cases,
         max_shrink_iters: 60,
+        max_global_rejects: 4 * cases + 100,
         failure_persistence: Some(Box::new(kept)),
         source_file: Some("tests/random_scenes.rs"),
         ..Config::default()
     };
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
-    if let Err(failure) = TestRunner::new_with_rng(config, rng).run(strategy, property) {
+    let go_on = std::env::var_os("NEPHOS_GO_ON").is_some();
+    let (values, start) = (RefCell::new(Vec::new()), Instant::now());
+    let result = TestRunner::new_with_rng(config, rng).run(strategy, |scene| {
+        let value = measure(scene.clone()).ok_or_else(|| TestCaseError::reject("nothing is seen"))?;
+        values.borrow_mut().push((value, scene));
+        prop_assert!(value <= bounds.all || go_on, "{value:.2e}, and at most {} is expected", bounds.all);
+        Ok(())
+    });
+    let median = report(values.into_inner(), bounds, start.elapsed());
+    if let Err(failure) = result {
         panic!("{failure}");
     }
+    assert!(cases < 50 || median <= bounds.half, "half of the scenes are above {median:.2e}");
+}
+
+/// One line of what was measured, by the name of the test; gives the median.
+fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> f64 {
+    let thread = std::thread::current();
+    let name = thread.name().unwrap_or("property").replace("::", "-");
+    values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    println!(
+        "{name}: {} scenes, half below {:.1e} of {:.0e}, 99 % below {:.1e}, all below {:.1e} of {:.0e}, {:.0} s",
+        values.len(),
+        values[values.len() / 2].0,
+        bounds.half,
+        values[values.len() / 100].0,
+        values[0].0,
+        bounds.all,
+        time.as_secs_f64()
+    );
+    for (i, (value, scene)) in values.iter().take(3).enumerate() {
+        let path = format!("{}/{name}-{i}.json", env!("CARGO_TARGET_TMPDIR"));
+        std::fs::write(&path, scene.to_json()).expect("the folder of the build can be written");
+        println!("    {value:.1e} {path}");
+    }
+    values[values.len() / 2].0
 }
 
 /// Numbers whose logarithms are evenly spread.
@@ -93,9 +146,12 @@ fn camera() -> impl Strategy<Value = Camera> {
         1 => Just(Projection::Equirectangular),
     ];
     (direction(), log(1.0, 1e4), 0.0..360.0, projection).prop_map(|(way, distance, roll_deg, projection)| {
-        let middle = 1500.0 * DVec3::Y;
-        Camera { position: middle + distance * way, target: middle, roll_deg, projection }
+        Camera { position: distance * way, target: DVec3::ZERO, roll_deg, projection }
     })
+}
+
+fn looking_at(target: DVec3, camera: Camera) -> Camera {
+    Camera { position: target + camera.position, target, ..camera }
 }
 
 fn sky() -> impl Strategy<Value = Sky> {
@@ -114,11 +170,11 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
     let sun = (0.0..360.0, -10.0..90.0);
     (clouds, noise, sun, sky(), camera()).prop_map(
         |(clouds, (scale, detail, rotation), (azimuth_deg, elevation_deg), sky, camera)| Scene {
+            camera: Some(looking_at(clouds[0].ellipsoids[0].center, camera)),
             clouds,
             noise: Noise { scale, detail, rotation, ..Noise::default() },
             sun: Sun { position: SunPosition::Angles { azimuth_deg, elevation_deg }, ..Sun::default() },
             sky,
-            camera: Some(camera),
             ..Scene::default()
         },
     )

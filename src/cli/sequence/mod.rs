@@ -25,7 +25,7 @@ use self::{
 };
 use super::{
     picture::{self, Format, Job, Painter, PictureOptions, above_zero},
-    terminal,
+    stopped, terminal,
 };
 use crate::{
     Error, Result,
@@ -178,7 +178,9 @@ impl Sequence {
                     report.repeated += 1;
                 }
                 _ => {
-                    self.draw_to(&mut painter, scene, still, &file, &mut progress)?;
+                    let whole = stills.len() - missing.len() + i;
+                    self.draw_to(&mut painter, scene, still, &file, &mut progress)
+                        .map_err(|error| stopped(error, || kept(whole, stills.len())))?;
                     report.drawn += 1;
                 }
             }
@@ -221,6 +223,8 @@ impl Sequence {
         let size = [self.picture.width, self.picture.height];
         let mut movie = Movie::begin(&self.output, container, size, fps)?;
         let (mut report, mut last) = (Report::default(), None::<(Stamp, Vec<u8>)>);
+        let unfinished =
+            |error| stopped(error, || format!("there is no movie `{}` yet", self.output.display()));
         // Who finds all frames needs no adapter.
         let mut painter = None;
         let bar = terminal::progress("frames");
@@ -245,15 +249,15 @@ impl Sequence {
                             Some(painter) => painter,
                             none => none.insert(self.picture.painter()?),
                         };
-                        self.bytes(painter, scene, still, &mut progress)?
+                        self.bytes(painter, scene, still, &mut progress).map_err(unfinished)?
                     }
                 },
             };
-            movie.add(&bytes)?;
+            movie.add(&bytes).map_err(unfinished)?;
             progress(1.0);
             last = Some((still.stamp.clone(), bytes));
         }
-        movie.finish()?;
+        movie.finish().map_err(unfinished)?;
         bar.finish_and_clear();
         painter.iter().for_each(|painter| report.tell_of(painter));
         Ok(report)
@@ -299,6 +303,11 @@ impl Report {
         self.light_updates = painter.renderer.light_updates();
         self.adapter = Some(painter.gpu.adapter.clone());
     }
+}
+
+/// What there is of a sequence that was stopped, and how to go on.
+fn kept(whole: usize, of: usize) -> String {
+    format!("{whole} of {of} frames are there and whole; the same command goes on with the others")
 }
 
 /// The pictures that a movie is made of.

@@ -65,7 +65,7 @@ impl Renderer {
         frame: &Frame,
         target: &Target<'_>,
     ) -> Pieces {
-        self.begin(encoder, frame, target, &mut |_| ())
+        self.begin(encoder, frame, target, &mut |_| true)
     }
 
     /// The same; `flush` may submit the light of the clouds one by one.
@@ -86,7 +86,7 @@ impl Renderer {
 
     /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
     pub fn begin_layers(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> (Layers, Pieces) {
-        self.begin_apart(encoder, frame, &mut |_| ())
+        self.begin_apart(encoder, frame, &mut |_| true)
     }
 
     /// The same; `flush` may submit the light of the clouds one by one.
@@ -119,7 +119,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
     ) -> (wgpu::Texture, Pieces) {
-        self.prepare(encoder, frame, &mut |_| ());
+        self.prepare(encoder, frame, &mut |_| true);
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
         let draws = self.draws(frame, None, "cost", HDR);
