@@ -265,7 +265,7 @@ fn nothing_pops_when_the_camera_moves(cases: u32) {
 
 fn nothing_pops_when_an_ellipsoid_moves(cases: u32) {
     nothing_pops(cases, Bounds { half: 0.003, all: 0.05 }, |scene, i| {
-        scene.clouds[0].ellipsoids[0].center.x += 0.02 * i
+        scene.clouds[0].ellipsoids[0].center.x += 0.02 * i;
     });
 }
 
