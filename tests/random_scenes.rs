@@ -100,19 +100,7 @@ fn light_is_finite_and_bounded(cases: u32) {
 /// Seen from outside: light in the middle of a cloud hundreds of mean free paths thick is not
 /// found, nor seen by anyone.
 fn a_white_furnace_stays_white(cases: u32) {
-    white_furnace(cases, COARSE, Bounds { half: 0.005, all: 0.03 });
-}
-
-fn a_white_furnace_of_more_cells_stays_whiter(cases: u32) {
-    white_furnace(
-        cases.div_ceil(2),
-        Quality { light_cells: 32, ..COARSE },
-        Bounds { half: 0.005, all: 0.01 },
-    );
-}
-
-fn white_furnace(cases: u32, quality: Quality, bounds: Bounds) {
-    check(cases, &scenes(), bounds, |mut scene| {
+    check(cases, &scenes(), Bounds { half: 0.005, all: 0.03 }, |mut scene| {
         scene.sky = white();
         scene.sun.irradiance = [0.0; 3];
         for cloud in &mut scene.clouds {
@@ -122,7 +110,7 @@ fn white_furnace(cases: u32, quality: Quality, bounds: Bounds) {
         let camera = scene.camera.as_mut().unwrap();
         let away = (camera.position - camera.target).normalize();
         camera.position = camera.target + 3000.0 * away;
-        let picture = picture(&scene, quality, Transport::Moments);
+        let picture = coarse(&scene);
         let thick = picture.pixels.iter().filter(|pixel| pixel[3] > 0.1);
         thick.map(|pixel| f64::from(pixel[1] / pixel[3] - 1.0).abs()).max_by(f64::total_cmp)
     });
@@ -167,7 +155,7 @@ fn an_ellipsoid_twice_is_an_ellipsoid_once(cases: u32) {
 
 /// Where nothing scatters a ray is cut all the same.
 fn an_empty_ellipsoid_within_another_changes_nothing(cases: u32) {
-    keeps_the_picture(cases, Bounds { half: 0.03, all: 0.5 }, |scene| {
+    keeps_the_picture(cases, Bounds { half: 0.005, all: 1.0 }, |scene| {
         for cloud in &mut scene.clouds {
             let empty = |e: &Ellipsoid| Ellipsoid { radii: 0.5 * e.radii, density: 0.0, ..e.clone() };
             let within: Vec<_> = cloud.ellipsoids.iter().map(empty).collect();
@@ -183,13 +171,13 @@ fn where_steps_fall_does_not_matter(cases: u32) {
 
 /// By a quarter, which the directions that light is solved along go with.
 fn the_world_has_no_north(cases: u32) {
-    turned_about_the_zenith(cases, 90.0, Bounds { half: 0.02, all: 1.0 });
+    turned_about_the_zenith(cases, 90.0, Bounds { half: 1e-3, all: 0.01 });
 }
 
 /// By any angle, which the directions that light is solved along do not go with, nor the boxes of
 /// its maps.
 fn the_world_has_no_axes(cases: u32) {
-    turned_about_the_zenith(cases, 37.0, Bounds { half: 0.03, all: 1.0 });
+    turned_about_the_zenith(cases, 37.0, Bounds { half: 0.005, all: 1.0 });
 }
 
 fn turned_about_the_zenith(cases: u32, angle_deg: f64, bounds: Bounds) {
@@ -199,7 +187,8 @@ fn turned_about_the_zenith(cases: u32, angle_deg: f64, bounds: Bounds) {
             ellipsoid.center = turn * ellipsoid.center;
             ellipsoid.orientation = (turn * ellipsoid.orientation).normalize();
         }
-        scene.noise.rotation = (turn * scene.noise.rotation).normalize();
+        // It turns the place that is looked up, not the noise.
+        scene.noise.rotation = (scene.noise.rotation * turn.inverse()).normalize();
         let camera = scene.camera.as_mut().unwrap();
         camera.position = turn * camera.position;
         camera.target = turn * camera.target;
@@ -224,7 +213,7 @@ fn twice_the_samples_show_the_same(cases: u32) {
         max_steps: 2 * COARSE.max_steps,
         ..COARSE
     };
-    other_qualities_show_the_same(cases, finer, Bounds { half: 0.02, all: 0.6 });
+    other_qualities_show_the_same(cases, finer, Bounds { half: 1e-3, all: 0.6 });
 }
 
 fn finer_maps_show_the_same(cases: u32) {
@@ -275,8 +264,8 @@ fn nothing_pops_when_the_camera_moves(cases: u32) {
 }
 
 fn nothing_pops_when_an_ellipsoid_moves(cases: u32) {
-    nothing_pops(cases, Bounds { half: 0.003, all: 0.05 }, |scene, i| {
-        scene.clouds[0].ellipsoids[0].center.x += 0.02 * i
+    nothing_pops(cases, Bounds { half: 0.003, all: 0.1 }, |scene, i| {
+        scene.clouds[0].ellipsoids[0].center.x += 0.02 * i;
     });
 }
 
@@ -295,7 +284,6 @@ macro_rules! properties {
 properties!(
     light_is_finite_and_bounded,
     a_white_furnace_stays_white,
-    a_white_furnace_of_more_cells_stays_whiter,
     isotropic_clouds_return_no_more_than_a_half_space,
     the_order_of_ellipsoids_does_not_matter,
     far_from_the_origin_is_like_near_it,

@@ -157,7 +157,7 @@ fn collect_stores(block: &Block, found: &mut impl FnMut(Handle<Expression>, Hand
                 collect_stores(continuing, found);
             }
             Statement::Switch { cases, .. } => {
-                cases.iter().for_each(|case| collect_stores(&case.body, found))
+                cases.iter().for_each(|case| collect_stores(&case.body, found));
             }
             _ => {}
         }

@@ -56,6 +56,7 @@ pub fn check<S: Strategy<Value = Scene>>(
 }
 
 /// One line of what was measured, by the name of the test; gives the median.
+#[allow(clippy::print_stdout, reason = "what a long run measured")]
 fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> f64 {
     let thread = std::thread::current();
     let name = thread.name().unwrap_or("property").replace("::", "-");
