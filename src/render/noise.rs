@@ -52,7 +52,8 @@ impl NoiseFrame {
     /// volume's periods are taken out here, in double precision.
     pub fn new(noise: &scene::Noise, origin: DVec3) -> Self {
         let period = noise.scale * f64::from(CELLS[0]);
-        let turned = noise.rotation;
+        // The noise turns one way, the place that is looked up the other.
+        let turned = noise.rotation.inverse();
         // The fine octaves are turned against the coarse ones, so that their lattices
         // do not line up, and slide along a diagonal as the noise evolves.
         let apart = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.9);
@@ -208,6 +209,23 @@ mod tests {
             let deviation = mean(values().map(|x| x * x)).sqrt();
             assert!((deviation - f64::from(DEVIATION)).abs() < 0.04, "{deviation}");
             assert!(values().all(|x| (-1.0..=1.0).contains(&x)));
+        }
+    }
+
+    #[test]
+    fn noise_turns_about_its_offset_the_way_a_cloud_turns() {
+        let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.7);
+        let still = scene::Noise { offset: DVec3::new(40.0, -7.0, 90.0), ..scene::Noise::default() };
+        let turned = scene::Noise { rotation: turn, ..still.clone() };
+        let looked_up = |noise: &scene::Noise, p: DVec3| {
+            let frame = NoiseFrame::new(noise, DVec3::ZERO);
+            let rows = [frame.coarse_x, frame.coarse_y, frame.coarse_z];
+            rows.map(|row| row.dot(p.as_vec3().extend(1.0)).rem_euclid(1.0))
+        };
+        let p = DVec3::new(100.0, 30.0, -20.0);
+        let carried = still.offset + turn * (p - still.offset);
+        for (a, b) in looked_up(&still, p).into_iter().zip(looked_up(&turned, carried)) {
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
         }
     }
 

@@ -27,7 +27,7 @@ pub struct Noise {
     /// Shift of the noise [x, y, z], metres. Animate it to let the billows wander.
     #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub offset: DVec3,
-    /// Rotation of the noise about the origin, a quaternion [x, y, z, w]; made unit
+    /// Rotation of the noise about the point `offset`, a quaternion [x, y, z, w]; made unit
     /// length on loading.
     #[schemars(with = "[f64; 4]")]
     pub rotation: DQuat,
