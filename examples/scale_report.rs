@@ -92,7 +92,12 @@ fn chart(
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], color));
     }
     let gray = RGBColor(110, 110, 116);
-    chart.configure_series_labels().background_style(WHITE).border_style(gray).draw()?;
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE)
+        .border_style(gray)
+        .draw()?;
     Ok(())
 }
 

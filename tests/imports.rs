@@ -214,9 +214,14 @@ fn meshes_are_read_from_obj_and_gltf() {
     // Its node is twice as large and moved up by 50 m.
     assert_eq!(read.bounds(), (DVec3::new(0.0, 50.0, 0.0), DVec3::new(400.0, 450.0, 400.0)));
     assert_eq!(Inside::new(&read, 10).points().len(), Inside::new(&cube, 10).points().len());
-    for (name, text) in
-        [("empty.obj", ""), ("bad.obj", "v 1 2\n"), ("bad.glb", "glTF"), ("mesh.stl", "solid")]
-    {
+    let nowhere = gltf_of(&cube).replace(r#""POSITION":0"#, r#""POSITION":7"#);
+    for (name, text) in [
+        ("empty.obj", ""),
+        ("bad.obj", "v 1 2\n"),
+        ("bad.glb", "glTF"),
+        ("nowhere.gltf", &nowhere),
+        ("mesh.stl", "solid"),
+    ] {
         let path = folder.path().join(name);
         fs::write(&path, text).unwrap();
         assert!(read_mesh(&path).unwrap_err().to_string().contains(name), "{name}");

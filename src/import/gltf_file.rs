@@ -17,6 +17,13 @@ pub(super) fn open(path: &Path) -> Result<Gltf> {
     if bytes.starts_with(b"glTF") && told.is_none_or(|length| length < HEADER) {
         return Err(foreign(path, &"its header is cut or damaged"));
     }
+    // Its check of a mesh trusts that the numbers of accessors are those of some.
+    let unchecked = Gltf::from_slice_without_validation(&bytes).map_err(|error| foreign(path, &error))?;
+    let root = unchecked.document.as_json();
+    let mut named = root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|p| p.attributes.values());
+    if let Some(missing) = named.find(|accessor| accessor.value() >= root.accessors.len()) {
+        return Err(foreign(path, &format!("a mesh names accessor {}, which is not there", missing.value())));
+    }
     Gltf::from_slice(&bytes).map_err(|error| foreign(path, &error))
 }
 

@@ -27,7 +27,7 @@ use super::{
 };
 use crate::gpu::{self, ComputeProgram, TextureDesc};
 use quadrature::{DIRECTIONS, directions, patches};
-use rounds::relaxations;
+use rounds::{relaxations, repeats};
 
 /// `Field` of `shaders/lib/field.wgsl`.
 #[repr(C)]
@@ -45,6 +45,9 @@ pub struct FieldUniform {
 
 /// Fewest cells along an axis.
 const FEWEST: u32 = 6;
+/// Droplets that throw more light back than this, as none do, turn over more in a round than rounds
+/// allow for: repeated, they would let it grow (by a factor of 3 at -0.9).
+const LEAST_ASYMMETRY: f32 = -0.65;
 
 /// The programs.
 pub(super) struct MomentsPass {
@@ -94,6 +97,8 @@ struct Solver<'a> {
     scratch: [wgpu::Buffer; 2],
     lights: Lights,
     optics: &'a CloudOptics,
+    /// Extinction of the densest ellipsoid, 1/m.
+    densest: f32,
     ellipsoids: wgpu::Buffer,
     noise: wgpu::Buffer,
     sun_box: wgpu::Buffer,
@@ -176,6 +181,7 @@ impl MomentsPass {
             scratch,
             lights,
             optics: &cloud.optics,
+            densest: cloud.ellipsoids.iter().fold(0.0, |most, e| e.extinction.max(most)),
             ellipsoids: gpu::storage_buffer(device, "ellipsoids", &cloud.ellipsoids),
             noise: gpu::uniform_buffer::<NoiseFrame>(device, "noise frame", &cloud.noise),
             sun_box: gpu::uniform_buffer(device, "sun box", sun_box),
@@ -211,7 +217,8 @@ impl Solver<'_> {
         if self.lights == Lights::Sky {
             self.enter(compute);
         }
-        let sizes = sizes(most);
+        let repeats = self.repeats();
+        let sizes = sizes(most, if repeats > 1 { 4 } else { 8 });
         let [radiance, source] = &self.scratch;
         let lowest = self.uniform(most).scattering.min_element();
         let relaxations = relaxations(f64::from(lowest))
@@ -221,14 +228,32 @@ impl Solver<'_> {
             let level = Level::new(device, self.uniform(size));
             let medium = self.medium(compute, &level);
             let buffers = [&medium, radiance, source];
-            self.round(compute, &self.pass.start, &level, before.as_ref(), buffers, &relaxations[0]);
-            for relaxation in &relaxations {
-                self.sweep(compute, &level, buffers);
-                self.round(compute, &self.pass.scatter, &level, None, buffers, relaxation);
+            let repeats = if before.is_none() { repeats } else { 1 };
+            let start = self.round(&self.pass.start, &level, before.as_ref(), buffers, &relaxations[0]);
+            self.scatter(compute, &self.pass.start, &level, &start);
+            let sweep = self.sweep(&level, buffers);
+            let rounds =
+                relaxations.each_ref().map(|r| self.round(&self.pass.scatter, &level, None, buffers, r));
+            for round in (0..repeats).flat_map(|_| &rounds) {
+                self.pass.sweep.record(compute, &sweep, [DIRECTIONS as u32, self.lights.count(), 1]);
+                self.scatter(compute, &self.pass.scatter, &level, round);
             }
             before = Some(level);
         }
         self.store(compute, before.as_ref())
+    }
+
+    /// How often the rounds are repeated on the coarsest field: by the shortest way through the field's
+    /// box, as if all of it were as dense as the densest ellipsoid.
+    fn repeats(&self) -> usize {
+        let uniform = self.uniform(1);
+        let (albedo, flux) = (uniform.scattering.x, uniform.scattering.y);
+        let asymmetry = flux / albedo.max(1e-6);
+        if asymmetry < LEAST_ASYMMETRY {
+            return 1;
+        }
+        let kept = (1.0 - self.optics.chop) * (1.0 - uniform.ahead) * (1.0 - asymmetry);
+        repeats((kept * self.densest * self.field_box.extent.min_element()).into(), albedo.into())
     }
 
     /// Finds the light of sky and ground that comes in.
@@ -288,26 +313,22 @@ impl Solver<'_> {
         filled
     }
 
-    fn sweep(&self, compute: &mut wgpu::ComputePass<'_>, level: &Level, buffers: [&wgpu::Buffer; 3]) {
-        let [medium, radiance, source] = buffers;
+    /// What a sweep binds.
+    fn sweep(&self, level: &Level, [medium, radiance, source]: [&wgpu::Buffer; 3]) -> wgpu::BindGroup {
         let resources = [&level.buffer, medium, &self.directions, &self.entering, source, radiance];
-        let group = self
-            .pass
-            .sweep
-            .bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
-        self.pass.sweep.record(compute, &group, [DIRECTIONS as u32, self.lights.count(), 1]);
+        let resources = resources.map(|buffer| Some(buffer.as_entire_binding()));
+        self.pass.sweep.bind(self.inputs.device, &resources)
     }
 
-    /// One round of scattering; the first takes the moments of the level `before`, or none.
+    /// What a round of scattering binds; the first takes the moments of the level `before`, or none.
     fn round(
         &self,
-        compute: &mut wgpu::ComputePass<'_>,
         program: &ComputeProgram,
         level: &Level,
         before: Option<&Level>,
         buffers: [&wgpu::Buffer; 3],
         relaxation: &wgpu::Buffer,
-    ) {
+    ) -> wgpu::BindGroup {
         let [medium, radiance, source] = buffers;
         let coarse = before.map_or([&self.nothing.buffer, &self.nothing.moments], |before| {
             [&before.buffer, &before.moments]
@@ -323,10 +344,17 @@ impl Solver<'_> {
             coarse[1],
             relaxation,
         ];
-        let group =
-            program.bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())));
-        let count = cells(&level.uniform);
-        program.record(compute, &group, [count.div_ceil(64), self.lights.count(), 1]);
+        program.bind(self.inputs.device, &resources.map(|buffer| Some(buffer.as_entire_binding())))
+    }
+
+    fn scatter(
+        &self,
+        compute: &mut wgpu::ComputePass<'_>,
+        program: &ComputeProgram,
+        level: &Level,
+        group: &wgpu::BindGroup,
+    ) {
+        program.record(compute, group, [cells(&level.uniform).div_ceil(64), self.lights.count(), 1]);
     }
 
     fn store(&self, compute: &mut wgpu::ComputePass<'_>, level: Option<&Level>) -> wgpu::TextureView {
@@ -361,10 +389,10 @@ impl Solver<'_> {
     }
 }
 
-/// Cells along the longest axis of each field, coarse ones first: halves down to eight.
-fn sizes(most: u32) -> Vec<u32> {
+/// Cells along the longest axis of each field, coarse ones first: halves down to `least`.
+fn sizes(most: u32, least: u32) -> Vec<u32> {
     let mut sizes = vec![most.max(2)];
-    while sizes[0] >= 16 {
+    while sizes[0] >= 2 * least {
         sizes.insert(0, sizes[0] / 2);
     }
     sizes

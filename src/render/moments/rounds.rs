@@ -1,13 +1,13 @@
 //! How far each round of scattering goes, so that few of them reach the end.
 
-/// Rounds of scattering on each field that are stretched, and plain ones after them, which take
-/// away what turns over faster than [`LEFT`] allows for.
+/// Rounds of scattering that are stretched, and plain ones after them, which take away what turns
+/// over faster than [`LEFT`] allows for.
 const ROUNDS: usize = 16;
 const PLAIN: usize = 3;
 /// Share of a disturbance that a plain round leaves of it, at the least (short characteristics may
-/// turn it over) and at the most (light in the middle of a thick cloud fades slowly).
+/// turn it over) and at the most (light in the middle of a thick cloud fades slowly). Nearer to 1,
+/// rounds would let grow what swings while it fades, as light in wide flat cells does.
 const LEFT: [f64; 2] = [-0.2, 0.97];
-
 /// How much lower than its lowest moment a phase function's share may be.
 const BELOW: f64 = 0.05;
 
@@ -33,6 +33,20 @@ pub fn relaxations(lowest: f64) -> [f32; ROUNDS + PLAIN] {
     })
 }
 
+/// Share of the slowest disturbance that may be left in a thick cloud, and most repeats for that.
+const ENOUGH: f64 = 0.05;
+const MOST_REPEATS: f64 = 8.0;
+
+/// How often all rounds are done on the coarsest field, where they cost little, so that light finds
+/// its way into a cloud of this optical thickness (transport optical depth: of a medium that
+/// scatters alike in all directions, with this albedo): more than once beyond 15 or so.
+pub fn repeats(thickness: f64, albedo: f64) -> usize {
+    // Of light that spreads through a slab, which ends 0.71 mean free paths beyond its faces.
+    let slowest = albedo * (1.0 - (std::f64::consts::PI / (thickness + 1.42)).powi(2) / 3.0).max(0.0);
+    let left = relaxations(0.0).iter().fold(1.0, |left, &r| left * (1.0 - f64::from(r) * (1.0 - slowest)));
+    (ENOUGH.ln() / left.abs().min(1.0 - 1e-9).ln()).ceil().clamp(1.0, MOST_REPEATS) as usize
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,5 +66,12 @@ mod tests {
                 assert!(left.abs() < end, "{lowest} {share}: {left}");
             }
         }
+    }
+
+    #[test]
+    fn thick_clouds_take_more_rounds_and_those_that_absorb_do_not() {
+        assert_eq!([0.0, 3.0, 10.0].map(|thickness| repeats(thickness, 1.0)), [1; 3]);
+        assert!((2..8).contains(&repeats(20.0, 1.0)));
+        assert_eq!((repeats(1e9, 1.0), repeats(1e9, 0.9)), (8, 1));
     }
 }
