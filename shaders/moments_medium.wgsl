@@ -1,6 +1,6 @@
 // What a cell of the field holds: mean extinction, and the share of the sun's beam that
 // reaches its droplets, from eight samples. One thread a cell.
-// @use density noise light_box field
+// @use attenuation density noise light_box field
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<uniform> sun: LightBox;
@@ -47,5 +47,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         lit += extinction * through;
         open += through;
     }
-    cells[id.x] = FieldCell(0.125 * kept * sum, select(0.125 * open, lit / sum, sum > 0.0));
+    // No more light is scattered in a cell than comes in by its face: that face, across the light, is
+    // its volume over `length`. Eight points of a thick cell may see too much of it.
+    let d = abs(field.beam.xyz);
+    let length = 1.0 / max(d.x / field.cell.x + d.y / field.cell.y + d.z / field.cell.z, 1e-12);
+    let extinction = 0.125 * kept * sum;
+    let beam = select(0.125 * open, min(lit / sum, mean_through(length * extinction)), sum > 0.0);
+    cells[id.x] = FieldCell(extinction, beam);
 }

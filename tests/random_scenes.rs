@@ -100,7 +100,7 @@ fn light_is_finite_and_bounded(cases: u32) {
 /// Seen from outside: light in the middle of a cloud hundreds of mean free paths thick is not
 /// found, nor seen by anyone.
 fn a_white_furnace_stays_white(cases: u32) {
-    check(cases, &scenes(), Bounds { half: 0.005, all: 0.03 }, |mut scene| {
+    check(cases, &scenes(), Bounds { half: 0.003, all: 0.01 }, |mut scene| {
         scene.sky = white();
         scene.sun.irradiance = [0.0; 3];
         for cloud in &mut scene.clouds {
