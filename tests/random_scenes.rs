@@ -155,7 +155,7 @@ fn an_ellipsoid_twice_is_an_ellipsoid_once(cases: u32) {
 
 /// Where nothing scatters a ray is cut all the same.
 fn an_empty_ellipsoid_within_another_changes_nothing(cases: u32) {
-    keeps_the_picture(cases, Bounds { half: 0.005, all: 1.0 }, |scene| {
+    keeps_the_picture(cases, Bounds { half: 0.005, all: 1.5 }, |scene| {
         for cloud in &mut scene.clouds {
             let empty = |e: &Ellipsoid| Ellipsoid { radii: 0.5 * e.radii, density: 0.0, ..e.clone() };
             let within: Vec<_> = cloud.ellipsoids.iter().map(empty).collect();
@@ -166,7 +166,7 @@ fn an_empty_ellipsoid_within_another_changes_nothing(cases: u32) {
 
 /// A ray may begin its steps anywhere.
 fn where_steps_fall_does_not_matter(cases: u32) {
-    other_qualities_show_the_same(cases, Quality { jitter: true, ..COARSE }, Bounds { half: 0.02, all: 0.6 });
+    other_qualities_show_the_same(cases, Quality { jitter: true, ..COARSE }, Bounds { half: 0.02, all: 1.0 });
 }
 
 /// By a quarter, which the directions that light is solved along go with.
@@ -213,7 +213,7 @@ fn twice_the_samples_show_the_same(cases: u32) {
         max_steps: 2 * COARSE.max_steps,
         ..COARSE
     };
-    other_qualities_show_the_same(cases, finer, Bounds { half: 1e-3, all: 0.6 });
+    other_qualities_show_the_same(cases, finer, Bounds { half: 1e-3, all: 1.0 });
 }
 
 fn finer_maps_show_the_same(cases: u32) {
@@ -264,7 +264,7 @@ fn nothing_pops_when_the_camera_moves(cases: u32) {
 }
 
 fn nothing_pops_when_an_ellipsoid_moves(cases: u32) {
-    nothing_pops(cases, Bounds { half: 0.003, all: 0.1 }, |scene, i| {
+    nothing_pops(cases, Bounds { half: 0.003, all: 0.5 }, |scene, i| {
         scene.clouds[0].ellipsoids[0].center.x += 0.02 * i;
     });
 }
