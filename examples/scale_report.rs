@@ -63,6 +63,9 @@ fn plot(path: &Path, fields: &[(f64, Cost)], heaps: &[(f64, Cost)]) -> Outcome {
     Ok(())
 }
 
+/// One number of a cost.
+type Value = fn(&Cost) -> f64;
+
 /// Costs of a covered pixel.
 fn chart(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
@@ -78,7 +81,7 @@ fn chart(
         .y_label_area_size(50)
         .build_cartesian_2d((costs[0].0..last).log_scale(), (1.0..10_000.0).log_scale())?;
     chart.configure_mesh().x_desc(what).y_desc("per covered pixel").draw()?;
-    let lines: [(&str, fn(&Cost) -> f64, RGBColor); 4] = [
+    let lines: [(&str, Value, RGBColor); 4] = [
         ("microseconds", |cost| 1e3 * cost.again_ms, RGBColor(205, 85, 30)),
         ("ellipsoids asked", |cost| cost.counts.ellipsoids as f64, RGBColor(120, 70, 190)),
         ("density evaluations", |cost| cost.counts.density_evaluations as f64, RGBColor(20, 140, 90)),
