@@ -61,6 +61,23 @@ fn light_finds_its_way_into_a_cloud_of_ninety_mean_free_paths() {
 }
 
 #[test]
+fn a_cell_scatters_no_more_sunlight_than_comes_in() {
+    // Cells of it are a thousand mean free paths thick; a half-space sends back 0.34 at most.
+    let thick = scene(
+        r#"{"sky": "none", "sun": {"position": {"angles": {"azimuth_deg": 193.6, "elevation_deg": -4.5}}, "irradiance": [1, 1, 1]},
+        "camera": {"position": [594.9, 1890.3, -659.1], "target": [669.1, 1668.8, -220.6], "projection": {"perspective": {"vertical_fov_deg": 101}}},
+        "noise": {"scale": 37.7, "detail": 0.82},
+        "clouds": [{"edge": {"boundary": 12.3, "wispiness": 0.28}, "droplets": {"concentration_per_cm3": 81694, "phase": "isotropic"},
+            "ellipsoids": [{"center": [669.1, 1668.8, -220.6], "radii": [253.8, 3.09, 230.9],
+                "orientation": [-0.16, 0.4375, -0.441, 0.767]}]}]}"#,
+    );
+    let picture = draw(&mut renderer(Quality::DRAFT, Transport::Moments), &thick, SIZE, false);
+    let most = picture.pixels.iter().map(|pixel| pixel[1]).fold(0.0, f32::max);
+    eprintln!("{most} at most");
+    assert!(most > 0.0 && most < 0.68, "{most}");
+}
+
+#[test]
 fn droplets_that_throw_light_back_stay_white_too() {
     let mut scene = noisy(r#"{"uniform": {"radiance": [1, 1, 1]}}"#, 0.0, 1.0);
     // The more they turn light back, the more rounds they need: measured 0.001 and 0.103 in the
