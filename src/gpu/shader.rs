@@ -93,8 +93,8 @@ fn has_slow_uniforms(device: &wgpu::Device) -> bool {
         && device.limits().max_storage_buffers_per_shader_stage >= MOST_BUFFERS
 }
 
-/// Buffers of any kind that one stage of a shader may have: WebGPU's 8 storage and 12 uniform ones are
-/// more than any has.
+/// Buffers of any kind that one stage of a shader may have: as many as `path.wgsl` has, 8 of storage and
+/// 4 that are uniform.
 pub(super) const MOST_BUFFERS: u32 = 12;
 
 /// A compute shader with one bind group.

@@ -173,6 +173,9 @@ impl CloudsPass {
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Vec<Draw> {
+        if clouds.is_empty() {
+            return Vec::new();
+        }
         let mut pack = Pack::default();
         let packed: Vec<_> = clouds.iter().map(|seen| Packed::new(&mut pack, shared, seen)).collect();
         let buffer = pack.buffer(shared.device, "clouds");

@@ -46,7 +46,7 @@ pub struct FieldUniform {
 /// Fewest cells along an axis.
 const FEWEST: u32 = 6;
 /// Droplets that throw more light back than this, as none do, turn over more in a round than rounds
-/// allow for: repeated, they would let it grow (by a factor of 3 at -0.9).
+/// allow for: repeated, they let it grow (at g = -0.9 a white furnace was off by 2.8).
 const LEAST_ASYMMETRY: f32 = -0.65;
 
 /// The programs.

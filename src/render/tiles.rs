@@ -7,7 +7,7 @@ use glam::{UVec2, Vec2, Vec3, Vec3A};
 use super::{camera::CameraUniform, ellipsoids::EllipsoidUniform};
 
 const TILE: u32 = 16;
-/// Quarters of a tile are tiles of their own where one of them is empty.
+/// Quarters of a tile are tiles of their own where one of them is empty, and quarters of those.
 const SMALL: u32 = TILE / 2;
 /// Where a tile sees more ellipsoids than these, it is cut down to this size, pixels.
 const MANY: usize = 64;

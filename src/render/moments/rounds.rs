@@ -39,7 +39,7 @@ const MOST_REPEATS: f64 = 8.0;
 
 /// How often all rounds are done on the coarsest field, where they cost little, so that light finds
 /// its way into a cloud of this optical thickness (transport optical depth: of a medium that
-/// scatters alike in all directions, with this albedo): more than once beyond 15 or so.
+/// scatters alike in all directions, with this albedo): more than once beyond 10.
 pub fn repeats(thickness: f64, albedo: f64) -> usize {
     // Of light that spreads through a slab, which ends 0.71 mean free paths beyond its faces.
     let slowest = albedo * (1.0 - (std::f64::consts::PI / (thickness + 1.42)).powi(2) / 3.0).max(0.0);
