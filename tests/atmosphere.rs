@@ -335,7 +335,10 @@ fn unit_from_mu_sun_rises_and_mu_sun_from_unit_inverts_it() {
     let inputs: Vec<_> = sines(200).iter().map(|&mu| [mu, 0.0, 0.0, 0.0]).collect();
     let values =
         gpu("let u = unit_from_mu_sun(x.x); return vec4f(u, mu_sun_from_unit(u), 0.0, 0.0);", &inputs);
-    assert_eq!((values[0][0], values[200][0]), (0.0, 1.0));
+    for (end, wanted) in [(0, 0.0), (200, 1.0)] {
+        // WGSL lets a division be 2.5 last places of 0.8 off.
+        close("end", values[end][0], wanted, 2e-7);
+    }
     assert!(values.windows(2).all(|pair| pair[0][0] < pair[1][0]));
     for (x, v) in inputs.iter().zip(values) {
         close("mu", v[1], f64::from(x[0]), 2e-6);

@@ -116,8 +116,8 @@ pub struct Error {
     pub absolute: f64,
 }
 
-/// Below it, light is dark: 2^-100. Numbers under 2^-126 are flushed to 0 on most GPUs, and so
-/// are factors of which a larger number is made.
+/// Below it, light is dark, 0 as well as anything: 2^-100. Numbers under 2^-126 are flushed to 0 on most
+/// GPUs, and so are factors of which a larger number is made.
 const DARK: f64 = 7.888609052210118e-31;
 
 /// The step from the number of f32 at `x` to the next.
@@ -139,7 +139,13 @@ pub fn error(twin: &Twin, regime: &Regime, input: &Input, got: [f32; 4]) -> Opti
         if wanted.is_nan() || condition.is_nan() {
             continue;
         }
-        let absolute = if got.is_nan() { f64::INFINITY } else { (got - wanted).abs() };
+        let absolute = if got.is_nan() {
+            f64::INFINITY
+        } else if got.abs().max(wanted.abs()) < DARK {
+            0.0
+        } else {
+            (got - wanted).abs()
+        };
         let worst = worst.get_or_insert_default();
         worst.ulp = worst.ulp.max(absolute / last_place(wanted.abs()));
         worst.conditioned = worst.conditioned.max(absolute / last_place(condition.max(regime.beside)));

@@ -70,42 +70,48 @@ fn twins() -> Vec<Twin> {
     .collect()
 }
 
-/// Every input of a regime, at most thousands, whose error is beyond the twin's bound.
-fn failures(twin: &Twin, regime: &Regime) -> Vec<String> {
+/// How many inputs of a regime, among thousands, have an error beyond the twin's bound, and the worst of
+/// them; nothing where none has.
+fn failure(twin: &Twin, regime: &Regime) -> Option<String> {
     let inputs = twin.inputs(regime, 4096);
     let pairs = inputs.iter().zip(twin.evaluate(&inputs));
     let compared: Vec<_> =
-        pairs.filter_map(|(x, got)| Some((x, got, error(twin, regime, x, got)?))).collect();
+        pairs.filter_map(|(x, got)| Some((x, got, error(twin, regime, x, got)?.conditioned))).collect();
     assert!(!compared.is_empty(), "{} over {} compares nothing", twin.name, regime.name);
-    let beyond = compared.into_iter().filter(|(.., error)| error.conditioned > twin.bound);
-    beyond
-        .map(|(input, got, error)| {
-            let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
-            let (name, regime, ulp) = (twin.name, regime.name, error.conditioned);
-            format!("{name} over {regime}: {ulp:.1} ULP, {got:?} for {wanted:?} at {input:?}")
-        })
-        .collect()
+    let beyond: Vec<_> = compared.into_iter().filter(|(.., error)| *error > twin.bound).collect();
+    let (input, got, ulp) = beyond.iter().max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let wanted = (twin.reference)(&input.map(|v| v.map(f64::from)));
+    let (name, regime, count) = (twin.name, regime.name, beyond.len());
+    Some(format!("{name} over {regime}: {count}, worst {ulp:.1} ULP, {got:?} for {wanted:?} at {input:?}"))
 }
 
 #[test]
 fn shader_functions_agree_with_their_references() {
     let twins = twins();
     let all = twins.iter().flat_map(|twin| twin.regimes.iter().map(move |regime| (twin, regime)));
-    let failures: Vec<_> = all.flat_map(|(twin, regime)| failures(twin, regime)).collect();
-    assert!(
-        failures.is_empty(),
-        "{} differences, first:\n{}",
-        failures.len(),
-        failures[..failures.len().min(12)].join("\n")
-    );
+    let failures: Vec<_> = all.filter_map(|(twin, regime)| failure(twin, regime)).collect();
+    assert!(failures.is_empty(), "beyond their bounds:\n{}", failures.join("\n"));
 }
 
 #[test]
 fn forms_of_the_textbook_fail() {
     let mut forms = textbook::forms(twins());
-    forms.retain(|form| form.regimes.iter().all(|regime| failures(form, regime).is_empty()));
+    if products_are_fused() {
+        forms.retain(|form| form.name != "slab_view");
+    }
+    forms.retain(|form| form.regimes.iter().all(|regime| failure(form, regime).is_none()));
     let names: Vec<_> = forms.iter().map(|form| form.name).collect();
     assert!(names.is_empty(), "as the textbook has them these would pass: {names:?}");
+}
+
+/// Whether this adapter takes products in sums without rounding them first. The parts of `slab_view`
+/// across the normal are such sums, and lose nothing then.
+fn products_are_fused() -> bool {
+    // The square of 1 + 2^-12 is 1 + 2^-11 and, where it is not rounded, 2^-24.
+    let x = 1.0 + 2f32.powi(-12);
+    let input = [[x, 1.0 + 2f32.powi(-11), 0.0, 0.0]];
+    let got = common::evaluate("constants", "return vec4f(x[0].x * x[0].x - x[0].y);", &[input]);
+    got[0][0] != 0.0
 }
 
 #[test]

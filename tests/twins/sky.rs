@@ -48,7 +48,8 @@ fn sky_view_uv(x: &Wide) -> Output {
     let [h, mu, sine, ground] = x[0];
     let horizon = horizon_mu(h);
     let y = if ground > 0.5 { (horizon - mu) / (1.0 + horizon) } else { (mu - horizon) / (1.0 - horizon) };
-    let y = y.clamp(0.0, 1.0);
+    // A ray turned beyond straight up or down comes back, and its angle goes by the root of what is missing.
+    let y = 1.0 - (1.0 - y.max(0.0)).abs();
     let x = texel((y / (1.0 + (1.0 - y).sqrt())).sqrt(), 64.0);
     two(texel(sine, 192.0), if ground > 0.5 { 0.5 + 0.5 * x } else { 0.5 - 0.5 * x })
 }
