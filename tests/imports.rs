@@ -228,6 +228,37 @@ fn meshes_are_read_from_obj_and_gltf() {
     }
 }
 
+/// What the reader of glTF files trusts, and no file need keep to.
+#[test]
+fn numbers_of_a_mesh_that_are_not_there_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, path) = (gltf_of(&cube()), folder.path().join("cube.gltf"));
+    for (right, wrong, accessor) in [
+        (r#""type":"VEC3""#, r#""type":"VEC2""#, 0),
+        (r#""componentType":5126"#, r#""componentType":5123"#, 0),
+        (r#""count":8"#, r#""count":9"#, 0),
+        (r#""count":8"#, r#""count":0"#, 0),
+        (r#""count":8"#, r#""count":18446744073709551615"#, 0),
+        (r#""byteLength":96"#, r#""byteLength":96,"byteStride":8"#, 0),
+        (r#""componentType":5123"#, r#""componentType":5126"#, 1),
+        (r#""type":"SCALAR""#, r#""type":"VEC2""#, 1),
+        (r#""byteOffset":96"#, r#""byteOffset":97"#, 1),
+    ] {
+        assert!(whole.contains(right), "{right} is in {whole}");
+        fs::write(&path, whole.replace(right, wrong)).unwrap();
+        let error = read_mesh(&path).unwrap_err().to_string();
+        assert!(error.contains(&format!("accessor {accessor} ")), "{wrong}: {error}");
+    }
+}
+
+#[test]
+fn a_ring_of_nodes_is_gone_round_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, path) = (gltf_of(&cube()), folder.path().join("ring.gltf"));
+    fs::write(&path, whole.replace(r#"{"mesh":0}"#, r#"{"children":[0,0,1],"mesh":0}"#)).unwrap();
+    assert_eq!(read_mesh(&path).unwrap().triangles.len(), 12);
+}
+
 /// With its data inside, in base64.
 fn gltf_of(mesh: &Mesh) -> String {
     let mut bytes: Vec<u8> =

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use glam::{DMat4, Mat4};
-use gltf::{Gltf, Node};
+use gltf::{Accessor, Gltf, Node, buffer::View};
 
 use crate::{Error, Result};
 
@@ -38,17 +38,40 @@ pub(super) fn foreign(path: &Path, reason: &impl std::fmt::Display) -> Error {
 pub(super) fn visit_nodes<'a>(file: &'a Gltf, visit: &mut dyn FnMut(&Node<'a>, DMat4)) {
     let scenes =
         || file.scenes().filter(|scene| file.default_scene().is_none_or(|own| own.index() == scene.index()));
-    // Files are trees by the standard, but not by force: what is deeper is a ring.
-    const DEEPEST: u32 = 200;
     let mut open: Vec<_> =
-        scenes().flat_map(|scene| scene.nodes()).map(|node| (node, DMat4::IDENTITY, 0)).collect();
+        scenes().flat_map(|scene| scene.nodes()).map(|node| (node, DMat4::IDENTITY)).collect();
     open.reverse();
-    while let Some((node, world_from_parent, depth)) = open.pop() {
+    // Files are trees by the standard, but not by force: what comes again is part of a ring.
+    let mut seen = vec![false; file.nodes().len()];
+    while let Some((node, world_from_parent)) = open.pop() {
+        if std::mem::replace(&mut seen[node.index()], true) {
+            continue;
+        }
         let matrix = Mat4::from_cols_array_2d(&node.transform().matrix()).as_dmat4();
         let world_from_node = world_from_parent * matrix;
         visit(&node, world_from_node);
-        if depth < DEEPEST {
-            open.extend(node.children().map(|child| (child, world_from_node, depth + 1)));
-        }
+        open.extend(node.children().map(|child| (child, world_from_node)));
     }
+}
+
+/// Whether an accessor's numbers lie in its buffers, one after another. Their reader trusts that they do.
+pub(super) fn is_whole(accessor: &Accessor<'_>) -> bool {
+    let size = accessor.size();
+    let sparse = accessor.sparse().is_none_or(|sparse| {
+        let (indices, values, count) = (sparse.indices(), sparse.values(), sparse.count());
+        holds(&indices.view(), indices.offset(), count, indices.index_type().size())
+            && holds(&values.view(), values.offset(), count, size)
+    });
+    sparse && accessor.view().is_some_and(|view| holds(&view, accessor.offset(), accessor.count(), size))
+}
+
+/// Whether a view of a buffer holds `count` numbers of `size` bytes from `offset` on.
+fn holds(view: &View<'_>, offset: usize, count: usize, size: usize) -> bool {
+    let stride = view.stride().unwrap_or(size);
+    let before_last = count.checked_sub(1).and_then(|count| count.checked_mul(stride));
+    let end = before_last.and_then(|bytes| bytes.checked_add(size)?.checked_add(offset));
+    let view_end = view.offset().checked_add(view.length());
+    stride >= size
+        && end.is_some_and(|end| end <= view.length())
+        && view_end.is_some_and(|end| end <= view.buffer().length())
 }

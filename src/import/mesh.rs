@@ -3,9 +3,13 @@
 use std::{fs::File, io::BufReader, path::Path};
 
 use glam::DVec3;
-use gltf::mesh::Mode;
+use gltf::{
+    Accessor, Primitive, Semantic,
+    accessor::{DataType, Dimensions},
+    mesh::Mode,
+};
 
-use super::gltf_file::{foreign, open, visit_nodes};
+use super::gltf_file::{foreign, is_whole, open, visit_nodes};
 use crate::{Error, Result};
 
 /// Triangles in metres, Y up.
@@ -84,8 +88,27 @@ fn read_obj(path: &Path) -> Result<Mesh> {
     Ok(mesh)
 }
 
+/// Number of an accessor of corners, or of the corners' numbers, that is not as the standard has them.
+fn damaged(primitive: &Primitive<'_>) -> Option<usize> {
+    let corner = |accessor: &Accessor<'_>| {
+        (accessor.data_type(), accessor.dimensions()) == (DataType::F32, Dimensions::Vec3)
+    };
+    let number = |accessor: &Accessor<'_>| {
+        matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32)
+            && accessor.dimensions() == Dimensions::Scalar
+    };
+    let corners =
+        primitive.get(&Semantic::Positions).filter(|accessor| !(corner(accessor) && is_whole(accessor)));
+    let numbers = primitive.indices().filter(|accessor| !(number(accessor) && is_whole(accessor)));
+    corners.or(numbers).map(|accessor| accessor.index())
+}
+
 fn read_gltf(path: &Path) -> Result<Mesh> {
     let mut file = open(path)?;
+    let mut primitives = file.meshes().flat_map(|mesh| mesh.primitives());
+    if let Some(damaged) = primitives.find_map(|primitive| damaged(&primitive)) {
+        return Err(foreign(path, &format!("accessor {damaged} does not hold what a mesh takes from it")));
+    }
     let blob = file.blob.take();
     let buffers =
         gltf::import_buffers(&file.document, path.parent(), blob).map_err(|error| foreign(path, &error))?;
