@@ -184,6 +184,38 @@ fn no_adapter_ends_in_a_sentence_that_helps() {
     }
 }
 
+/// Behind a Vulkan layer that tells of half of the texels along a picture that are asked for.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_adapter_whose_limits_are_too_low_ends_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "out.png"));
+    fs::write(&scene, SMALL).unwrap();
+    let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/layers/low_limits.c");
+    let library = in_folder(&folder, "low_limits.so");
+    let built = std::process::Command::new("cc")
+        .args(["-shared", "-fPIC", "-Werror", "-o", &library, source])
+        .status();
+    let Ok(built) = built else {
+        eprintln!("skipped: there is no C compiler here to make a Vulkan layer with");
+        return;
+    };
+    assert!(built.success());
+    let name = "VK_LAYER_NEPHOS_low_limits";
+    let manifest = serde_json::json!({"file_format_version": "1.1.0", "layer": {
+        "name": name, "description": "few texels", "type": "INSTANCE", "library_path": library,
+        "api_version": "1.3.0", "implementation_version": "1"}});
+    fs::write(in_folder(&folder, "low_limits.json"), manifest.to_string()).unwrap();
+    let mut command = nephos(&["render", &scene, "-o", &picture, "--width", "8", "--height", "8"]);
+    command.env("VK_LAYER_PATH", folder.path()).env("VK_INSTANCE_LAYERS", name);
+    let output = command.assert().code(1).get_output().stderr.clone();
+    let text = String::from_utf8(output).unwrap();
+    for word in ["would not open", "max_texture_dimension_2d", "8192", "4096", "--adapter NAME"] {
+        assert!(text.contains(word), "{text}");
+    }
+    assert!(!text.contains("panicked") && !Path::new(&picture).exists(), "{text}");
+}
+
 #[cfg(unix)]
 #[test]
 fn output_through_a_link_goes_where_the_link_points() {
