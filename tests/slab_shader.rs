@@ -49,8 +49,8 @@ fn inputs(views: &[(View, usize)]) -> Vec<[[f32; 4]; 2]> {
 /// of a table's logarithm is up to 5: 1 % of the value; a half float of the largest exponent here leaves
 /// as much.
 const FILTERED: f64 = 0.02;
-/// Bouthors' functions add three logarithms, and a fourth number has their product's width: 0.057 where a
-/// GPU's filters were imitated.
+/// Bouthors' functions add three logarithms, and depths count in exponentials of two more numbers: 0.057
+/// where a GPU's filters were imitated.
 const FILTERED_FUNCTIONS: f64 = 0.08;
 
 /// Fails where a number is further from its reference than `relative` and `absolute` allow, and where

@@ -1,5 +1,7 @@
 //! What the driver's own functions are off by, over what the library gives them.
 
+use std::f64::consts::PI;
+
 use crate::harness::Twin;
 use crate::pack::{one, scalars};
 
@@ -23,10 +25,10 @@ pub fn twins() -> Vec<Twin> {
             .over("built-in", |random| scalars([random.log(1e-6, 1e6), random.log(1e-6, 1e6)])),
         // WGSL asks of sin and cos to be within 2^-11 up to pi: 16 last places of 256.
         Twin::new("sin", "constants", "return vec4f(sin(x[0].x));", |x| one(x[0][0].sin()))
-            .over("built-in", |random| scalars([random.between(-3.14, 3.14)]))
+            .over("built-in", |random| scalars([random.between(-PI, PI)]))
             .beside(256.0),
         Twin::new("cos", "constants", "return vec4f(cos(x[0].x));", |x| one(x[0][0].cos()))
-            .over("built-in", |random| scalars([random.between(-3.14, 3.14)]))
+            .over("built-in", |random| scalars([random.between(-PI, PI)]))
             .beside(256.0),
     ]
 }
