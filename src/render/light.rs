@@ -48,8 +48,19 @@ struct Medium {
     ellipsoids: Vec<EllipsoidUniform>,
     noise: NoiseFrame,
     seed: u32,
-    optics: Arc<CloudOptics>,
+    optics: Optics,
     cells: u32,
+}
+
+/// Optics, which clouds share: tables of thousands of numbers, compared only where they are not the
+/// same ones.
+#[derive(Clone)]
+struct Optics(Arc<CloudOptics>);
+
+impl PartialEq for Optics {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
 }
 
 /// What a cloud's light is made for; where that is the same, so is the light.
@@ -72,7 +83,7 @@ impl Wanted {
             ellipsoids: cloud.ellipsoids.clone(),
             noise: cloud.noise,
             seed: inputs.seed,
-            optics: cloud.optics.clone(),
+            optics: Optics(cloud.optics.clone()),
             cells,
         };
         let coarse = || (medium((detail.cells / 2).max(8)), inputs.sky.settings());
