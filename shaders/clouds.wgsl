@@ -183,7 +183,8 @@ struct Stretch {
     inside: bool,
     // Extinction where the stretch is homogeneous, else 0.
     core: f32,
-    // Thinnest boundary of the ellipsoids here, m.
+    // Thinnest boundary of the ellipsoids here, m; less where the noise moves it by more than the
+    // noise's own size, for then there is more than one edge in it.
     boundary: f32,
 }
 
@@ -271,7 +272,8 @@ fn survey(v: Varyings, ray: Ray, t: f32) -> Stretch {
             } else {
                 // Only boundaries that the ray is in need short steps, and no boundary is thicker than
                 // its ellipsoid: there the core is less than nothing.
-                boundary = min(boundary, (e.displacement + e.rise) / max(1.0, 1.0 - e.core));
+                let edges = max(1.0, e.displacement * noise_frame.frequency);
+                boundary = min(boundary, (e.displacement + e.rise) / (max(1.0, 1.0 - e.core) * edges));
                 exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
             }
         }
@@ -601,10 +603,12 @@ fn add_diffuse_light(v: Varyings, m: ptr<function, March>, ray: Ray) {
 
 // Shortest step, in widths of a pixel.
 const SHORTEST_STEP: f32 = 0.5;
-// Share of the distance to a change of density that is stepped over, for noise steepens it, and
-// the largest optical depth that is.
+// Share of the distance to a change of density that is stepped over, for noise steepens it, the
+// largest optical depth that is, and how many times as long a step may become by it: noise has
+// more in store than one point of it tells, and shorter steps must find it.
 const STEADY: f32 = 0.6;
 const THICKEST_STEP: f32 = 1.0;
+const MOST_STRETCHED: f32 = 4.0;
 // Optical depth of the first step in a homogeneous core.
 const CORE_STEP: f32 = 0.15;
 // Steps kept for stretches to come when a ray has used up its own.
@@ -666,8 +670,9 @@ fn march(v: Varyings, ray: Ray, farthest: f32, offset: f32, opaque: f32) -> Marc
         var matter = Matter(stretch.core, 0.0, 0.0);
         if !homogeneous {
             matter = matter_at(v, ray.origin + (t + 0.5 * length) * ray.direction, blur);
-            // The step is as long as what it found.
-            let most = THICKEST_STEP / max((1.0 - cloud.chop) * matter.extinction, 1e-6);
+            // The step is as long as what it found, within reason.
+            let thickest = THICKEST_STEP / max((1.0 - cloud.chop) * matter.extinction, 1e-6);
+            let most = min(thickest, MOST_STRETCHED * wanted);
             length = min(max(length, min(0.5 * length + STEADY * matter.steady, most)), left);
         }
         // Gather the light of this step in closed form.

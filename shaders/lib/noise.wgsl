@@ -15,7 +15,9 @@ struct NoiseFrame {
     fine_weight: f32,
     // Texels of the volume per metre, coarse look-up.
     texels_per_metre: f32,
-    padding: vec2f,
+    // 1 over the size of the largest features, 1/m.
+    frequency: f32,
+    padding: f32,
 }
 
 const FINE: f32 = 8.0;

@@ -71,7 +71,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "clouds",
             "NoiseFrame",
-            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, fine_weight, texels_per_metre),
+            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, fine_weight, texels_per_metre, frequency),
         ),
         (
             "clouds",

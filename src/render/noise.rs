@@ -41,7 +41,8 @@ pub struct NoiseFrame {
     pub(super) fine_z: Vec4,
     pub(super) fine_weight: f32,
     pub(super) texels_per_metre: f32,
-    pub(super) padding: [f32; 2],
+    pub(super) frequency: f32,
+    pub(super) padding: f32,
 }
 
 /// Ratio of the fine look-up's frequency to the coarse one's [K 3.4.6].
@@ -69,7 +70,8 @@ impl NoiseFrame {
             fine_z: fine[2],
             fine_weight: noise.detail as f32,
             texels_per_metre: (f64::from(SIZE) / period) as f32,
-            padding: [0.0; 2],
+            frequency: (1.0 / noise.scale) as f32,
+            padding: 0.0,
         }
     }
 }

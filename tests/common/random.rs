@@ -14,22 +14,31 @@ use proptest::{
     test_runner::{Config, FileFailurePersistence, RngAlgorithm, TestRng, TestRunner},
 };
 
-/// What is asked of scenes: of half of them, where there are enough to tell, and of each.
+/// What is asked of scenes: of half of them, of 99 in a hundred, and of each. Where they are too few
+/// to tell, each is one of the 99.
 #[derive(Clone, Copy)]
 pub struct Bounds {
     pub half: f64,
+    pub most: f64,
     pub all: f64,
 }
 
+/// So many scenes tell what is one in a hundred.
+const ENOUGH: u32 = 100;
+
 /// Measures `cases` scenes that show something, the same every time, and asks that no value be above
-/// its bound; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes to `target/tmp`. With
-/// NEPHOS_GO_ON it goes on past what fails.
+/// its bound; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes
+/// to `target/tmp`. With NEPHOS_GO_ON it goes on past what fails; with NEPHOS_SCENE it measures the
+/// scene in that file, and no other.
 pub fn check<S: Strategy<Value = Scene>>(
     cases: u32,
     strategy: &S,
     bounds: Bounds,
     measure: impl Fn(Scene) -> Option<f64>,
 ) {
+    if let Ok(path) = std::env::var("NEPHOS_SCENE") {
+        return check_file(&path, bounds, measure);
+    }
     let kept = FileFailurePersistence::Direct("tests/random_scenes.seeds");
     let config = Config {
         cases,
@@ -39,34 +48,50 @@ pub fn check<S: Strategy<Value = Scene>>(
         source_file: Some("tests/random_scenes.rs"),
         ..Config::default()
     };
+    let each = if cases < ENOUGH { bounds.most } else { bounds.all };
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let go_on = std::env::var_os("NEPHOS_GO_ON").is_some();
     let (values, start) = (RefCell::new(Vec::new()), Instant::now());
     let result = TestRunner::new_with_rng(config, rng).run(strategy, |scene| {
         let value = measure(scene.clone()).ok_or_else(|| TestCaseError::reject("nothing is seen"))?;
         values.borrow_mut().push((value, scene));
-        prop_assert!(value <= bounds.all || go_on, "{value:.2e}, and at most {} is expected", bounds.all);
+        prop_assert!(value <= each || go_on, "{value:.2e}, and at most {each} is expected");
         Ok(())
     });
-    let median = report(values.into_inner(), bounds, start.elapsed());
+    let [half, most] = report(values.into_inner(), bounds, start.elapsed());
     if let Err(failure) = result {
         panic!("{failure}");
     }
-    assert!(cases < 50 || median <= bounds.half, "half of the scenes are above {median:.2e}");
+    if cases >= ENOUGH {
+        assert!(half <= bounds.half, "half of the scenes are above {half:.2e}");
+        assert!(most <= bounds.most, "one in a hundred scenes is above {most:.2e}");
+    }
 }
 
-/// One line of what was measured, by the name of the test; gives the median.
+#[allow(clippy::print_stdout, reason = "what was asked for")]
+fn check_file(path: &str, bounds: Bounds, measure: impl Fn(Scene) -> Option<f64>) {
+    let text = std::fs::read_to_string(path).expect("NEPHOS_SCENE names a file");
+    let value = measure(Scene::from_json(&text).expect("the scene is valid"));
+    println!("{}: {value:.4?} of {:.0e}", name(), bounds.all);
+    assert!(value.is_none_or(|value| value <= bounds.all));
+}
+
+/// The name of the test.
+fn name() -> String {
+    std::thread::current().name().unwrap_or("property").replace("::", "-")
+}
+
+/// One line of what was measured, by the name of the test; gives what half and 99 % are below.
 #[allow(clippy::print_stdout, reason = "what a long run measured")]
-fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> f64 {
-    let thread = std::thread::current();
-    let name = thread.name().unwrap_or("property").replace("::", "-");
+fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> [f64; 2] {
+    let name = name();
     values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let [half, most] = [2, 100].map(|part| values[values.len() / part].0);
     println!(
-        "{name}: {} scenes, half below {:.1e} of {:.0e}, 99 % below {:.1e}, all below {:.1e} of {:.0e}, {:.0} s",
+        "{name}: {} scenes, half below {half:.1e} of {:.0e}, 99 % below {most:.1e} of {:.0e}, all below {:.1e} of {:.0e}, {:.0} s",
         values.len(),
-        values[values.len() / 2].0,
         bounds.half,
-        values[values.len() / 100].0,
+        bounds.most,
         values[0].0,
         bounds.all,
         time.as_secs_f64()
@@ -76,7 +101,7 @@ fn report(mut values: Vec<(f64, Scene)>, bounds: Bounds, time: Duration) -> f64 
         std::fs::write(&path, scene.to_json()).expect("the folder of the build can be written");
         println!("    {value:.1e} {path}");
     }
-    values[values.len() / 2].0
+    [half, most]
 }
 
 /// Numbers whose logarithms are evenly spread.
