@@ -80,8 +80,8 @@ fn without_spikes(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Clouds as there are: no more droplets than in the densest haze of ships, edges no thicker than what
-/// they are the edges of, and no rougher than the noise is large. Steps are made for these.
+/// Clouds as there are: at most 1000 droplets in a cubic centimetre, edges no thicker than what they are
+/// the edges of, and no rougher than the noise is large. Steps are made for these.
 fn natural_scenes() -> impl Strategy<Value = Scene> {
     scenes().prop_map(|mut scene| {
         for cloud in &mut scene.clouds {
@@ -249,7 +249,7 @@ fn twice_the_samples_show_the_same(cases: u32) {
     });
 }
 
-/// What coarse steps do not find, finer ones do: any scene comes to its picture.
+/// What coarse steps do not find, finer ones do: a scene comes to its picture.
 fn sixteen_times_the_samples_are_enough(cases: u32) {
     check(cases, &natural_scenes(), Bounds { half: 1e-4, most: 0.005, all: 0.01 }, |scene| {
         samples_differ(&scene, finer(16), finer(32))
