@@ -37,7 +37,7 @@ fn main() -> Result<()> {
 
     // Once: a renderer, and a scene.
     let mut clouds = Renderer::new(device, queue, COLOR);
-    clouds.quality = Quality::PREVIEW;
+    clouds.settings.quality = Quality::PREVIEW;
     let scene: Scene = Preset::Humilis.scene(4);
 
     // Each frame: a moment of the scene for this picture, ...

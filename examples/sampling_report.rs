@@ -92,9 +92,9 @@ fn scaled(quality: Quality, length: f32) -> Quality {
 /// towards the sun counts.
 fn draw(gpu: &Gpu, scene: &Scene, quality: Quality) -> Outcome<(Picture, Counts)> {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-    renderer.quality = quality;
-    renderer.transport = Transport::Octaves;
-    renderer.counting = true;
+    renderer.settings.quality = quality;
+    renderer.settings.transport = Transport::OCTAVES;
+    renderer.settings.counting = true;
     let texture = renderer.picture("sampling", SIZE, wgpu::TextureFormat::Rgba16Float);
     let view = texture.create_view(&Default::default());
     let target = Target { color: &view, depth: None, sky: false };

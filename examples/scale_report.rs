@@ -118,7 +118,7 @@ struct Cost {
 impl Cost {
     fn of(gpu: &Gpu, scene: &Scene) -> Result<Self> {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, FORMAT);
-        renderer.quality = Quality::DRAFT;
+        renderer.settings.quality = Quality::DRAFT;
         // The optics of the droplets are found once.
         Frame::new(scene, SIZE)?;
         let start = Instant::now();
@@ -132,7 +132,7 @@ impl Cost {
             again.push(draw_again(gpu, &mut renderer, &frame)?);
         }
         let [record_ms, again_ms] = [0, 1].map(|i| median(again.iter().map(|times| 1e3 * times[i])));
-        renderer.counting = true;
+        renderer.settings.counting = true;
         draw(gpu, &mut renderer, &frame)?;
         let covered = picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();
         let light = renderer.light_bytes();

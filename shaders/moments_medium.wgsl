@@ -1,28 +1,20 @@
 // What a cell of the field holds: mean extinction, and the share of the sun's beam that
 // reaches its droplets, from eight samples. One thread a cell.
-// @use attenuation density noise light_box field
+// @use attenuation field light_box medium
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<uniform> sun: LightBox;
-@group(0) @binding(2) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(0) @binding(3) var<uniform> noise_frame: NoiseFrame;
-@group(0) @binding(4) var noise_volume: texture_3d<f32>;
-@group(0) @binding(5) var repeat: sampler;
-@group(0) @binding(6) var clamped: sampler;
-@group(0) @binding(7) var sun_volume: texture_3d<f32>;
-@group(0) @binding(8) var<storage, read_write> cells: array<FieldCell>;
-// Lists of the ellipsoids in each brick of the sun's volume.
-@group(0) @binding(9) var<storage, read> lists: array<vec2u>;
-@group(0) @binding(10) var<storage, read> candidates: array<u32>;
+@group(0) @binding(2) var linear: sampler;
+@group(0) @binding(3) var sun_volume: texture_3d<f32>;
+@group(0) @binding(4) var<storage, read_write> cells: array<FieldCell>;
+// Lists of what is in each brick of the sun's volume.
+@group(0) @binding(5) var<storage, read> lists: array<Region>;
+@group(0) @binding(6) var<storage, read> candidates: array<u32>;
 
-fn extinction_at(p: vec3f, list: vec2u, blur: f32) -> f32 {
-    let noise = noise_at(noise_volume, repeat, noise_frame, p, blur);
-    var matter = CLEAR;
-    for (var i = 0u; i < list.y; i++) {
-        let e = ellipsoids[candidates[list.x + i]];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
-    }
-    return (1.0 - sun.chop) * matter.extinction;
+// Extinction without the forward peak.
+fn extinction_at(p: vec3f, list: Region, blur: f32) -> f32 {
+    let matter = medium_at(list, p, blur, blur);
+    return transported(medium_species(matter.species)) * matter.extinction;
 }
 
 @compute @workgroup_size(64)
@@ -41,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let p = corner + (0.25 + 0.5 * vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u))) * field.cell;
         let at = light_box_coordinate(sun, p);
         let extinction = extinction_at(p, lists[light_box_brick(size, at)], blur);
-        let depth = textureSampleLevel(sun_volume, clamped, at, 0.0).r;
+        let depth = textureSampleLevel(sun_volume, linear, at, 0.0).r;
         let through = exp(-kept * depth);
         sum += extinction;
         lit += extinction * through;

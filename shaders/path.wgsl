@@ -11,7 +11,7 @@
 // ways are weighted by what both together would have chosen (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use atmosphere camera density noise path_random phase
+// @use atmosphere camera medium path_random phase
 
 struct Scene {
     // Least corner of the grid relative to the scene's origin, m; the scene's origin is
@@ -65,7 +65,7 @@ struct Path {
     collisions: u32,
     // Densities with which each channel would have chosen it, over that of its channel.
     choice: vec3f,
-    medium: u32,
+    species: u32,
     // Light of this sample so far.
     gathered: vec3f,
     // The channel that chooses the directions.
@@ -103,21 +103,17 @@ override FAINT: f32 = 0.05;
 
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<uniform> camera: Camera;
-@group(0) @binding(2) var<uniform> noise_frame: NoiseFrame;
-@group(0) @binding(3) var<uniform> sky: Sky;
-@group(0) @binding(4) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(0) @binding(5) var<storage, read> media: array<u32>;
-@group(0) @binding(6) var<storage, read> cells: array<Cell>;
-@group(0) @binding(7) var<storage, read> candidates: array<u32>;
-@group(0) @binding(8) var<storage, read> phase_tables: array<f32>;
-@group(0) @binding(9) var<storage, read_write> paths: array<Path>;
-@group(0) @binding(10) var<storage, read_write> sums: array<Sum>;
-@group(0) @binding(11) var<storage, read_write> unfinished: atomic<u32>;
-@group(0) @binding(12) var noise_volume: texture_3d<f32>;
-@group(0) @binding(13) var repeat: sampler;
-@group(0) @binding(14) var clamped: sampler;
-@group(0) @binding(15) var transmittance: texture_2d<f32>;
-@group(0) @binding(16) var sky_view: texture_2d<f32>;
+@group(0) @binding(2) var<uniform> sky: Sky;
+@group(0) @binding(3) var<storage, read> cells: array<Cell>;
+@group(0) @binding(4) var<storage, read> candidates: array<u32>;
+// By species: see below.
+@group(0) @binding(5) var<storage, read> phase_tables: array<f32>;
+@group(0) @binding(6) var<storage, read_write> paths: array<Path>;
+@group(0) @binding(7) var<storage, read_write> sums: array<Sum>;
+@group(0) @binding(8) var<storage, read_write> unfinished: atomic<u32>;
+@group(0) @binding(9) var clamped: sampler;
+@group(0) @binding(10) var transmittance: texture_2d<f32>;
+@group(0) @binding(11) var sky_view: texture_2d<f32>;
 
 // The state of the path's random numbers while this thread works on it.
 var<private> random_state: u32;
@@ -134,11 +130,11 @@ fn sample_of(path: ptr<function, Path>, index: u32) -> u32 {
     return index % LANES + LANES * (*path).taken;
 }
 
-// A medium in `phase_tables`: its albedo, then for each channel the phase function over
+// A species in `phase_tables`: its albedo, then for each channel the phase function over
 // the coordinate of its angle, then the angle below which a share of light is scattered,
 // over the coordinate of that share.
 const ANGLES: u32 = 4096u;
-const MEDIUM: u32 = 1u + 6u * ANGLES;
+const TABLE: u32 = 1u + 6u * ANGLES;
 
 fn table_at(base: u32, x: f32) -> f32 {
     let place = clamp(x, 0.0, 1.0) * f32(ANGLES - 1u);
@@ -147,16 +143,16 @@ fn table_at(base: u32, x: f32) -> f32 {
 }
 
 // Phase function between two directions of propagation, three channels, 1/sr.
-fn phase(medium: u32, before: vec3f, after: vec3f) -> vec3f {
+fn phase(species: u32, before: vec3f, after: vec3f) -> vec3f {
     let x = phase_coordinate(before, after);
-    let base = MEDIUM * medium + 1u;
+    let base = TABLE * species + 1u;
     return vec3f(table_at(base, x), table_at(base + ANGLES, x), table_at(base + 2u * ANGLES, x));
 }
 
 // A direction after scattering, chosen by one channel.
-fn scattered(medium: u32, channel: u32, before: vec3f) -> vec3f {
+fn scattered(species: u32, channel: u32, before: vec3f) -> vec3f {
     let x = share_coordinate(draw());
-    let angle = table_at(MEDIUM * medium + 1u + (3u + channel) * ANGLES, x);
+    let angle = table_at(TABLE * species + 1u + (3u + channel) * ANGLES, x);
     return turned(before, angle, 6.2831853 * draw());
 }
 
@@ -173,26 +169,6 @@ fn turned(d: vec3f, angle: f32, azimuth: f32) -> vec3f {
     let u = normalize(cross(d, helper));
     let v = cross(d, u);
     return normalize(cos(angle) * d + sin(angle) * (cos(azimuth) * u + sin(azimuth) * v));
-}
-
-// Extinction and medium at a point of a cell.
-struct Point {
-    extinction: f32,
-    medium: u32,
-}
-
-fn point_at(p: vec3f, cell: Cell) -> Point {
-    let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.0);
-    var point = Point(0.0, 0u);
-    for (var i = 0u; i < cell.count; i++) {
-        let index = candidates[cell.first + i];
-        let e = ellipsoids[index];
-        let here = matter_with(CLEAR, e, ellipsoid_unit(e, p, 1.0), noise, 0.0).extinction;
-        if here > point.extinction {
-            point = Point(here, media[index]);
-        }
-    }
-    return point;
 }
 
 // Distances at which a ray enters and leaves the grid; entry beyond exit where it misses.
@@ -213,7 +189,7 @@ struct Step {
     outside: bool,
     // Whether this is a tentative collision, and what is there.
     tentative: bool,
-    point: Point,
+    matter: Matter,
     majorant: f32,
 }
 
@@ -252,9 +228,9 @@ fn track(position: vec3f, direction: vec3f) -> Step {
         left -= cell.majorant * exit;
     }
     if !tentative {
-        return Step(p, outside, false, Point(0.0, 0u), 0.0);
+        return Step(p, outside, false, CLEAR, 0.0);
     }
-    return Step(p, false, true, point_at(p, cell), cell.majorant);
+    return Step(p, false, true, medium_at(Region(cell.first, cell.count), p, 0.0, 0.0), cell.majorant);
 }
 
 // Irradiance of the sun at a point.
@@ -324,15 +300,15 @@ fn carried(path: ptr<function, Path>) -> vec3f {
 }
 
 // A real collision: aim at the sun.
-fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
+fn collide(path: ptr<function, Path>, p: vec3f, species: u32) {
     (*path).position = p;
     (*path).origin = p;
-    (*path).medium = medium;
+    (*path).species = species;
     (*path).collisions += 1u;
-    (*path).throughput *= phase_tables[MEDIUM * medium];
+    (*path).throughput *= phase_tables[TABLE * species];
     let angle = scene.sun_radius * sqrt(draw());
     (*path).to_light = turned(scene.to_sun, angle, 6.2831853 * draw());
-    (*path).light = phase(medium, (*path).direction, (*path).to_light) * sun_at(p);
+    (*path).light = phase(species, (*path).direction, (*path).to_light) * sun_at(p);
     (*path).shadow = 1.0;
     (*path).mode = SHADOW;
 }
@@ -341,7 +317,7 @@ fn collide(path: ptr<function, Path>, p: vec3f, medium: u32) {
 // happens to be the sun's has P(to the sun) times the light of one that was drawn around the
 // sun, over this share: so the share grows with P.
 fn share_to_sun(path: ptr<function, Path>) -> f32 {
-    let toward = phase((*path).medium, (*path).direction, scene.to_sun).y;
+    let toward = phase((*path).species, (*path).direction, scene.to_sun).y;
     let least = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
     return select(0.0, max(least, MOST_TO_SUN * toward / (toward + 1.0)), TO_SUN > 0.0);
 }
@@ -349,13 +325,13 @@ fn share_to_sun(path: ptr<function, Path>) -> f32 {
 // Chooses where to go on from a collision: around the path or around the sun.
 fn choose_direction(path: ptr<function, Path>) {
     let channel = (*path).channel;
-    let medium = (*path).medium;
+    let species = (*path).species;
     let before = (*path).direction;
     let share = share_to_sun(path);
     let around = select(before, scene.to_sun, draw() < share);
-    let after = scattered(medium, channel, around);
-    let scattering = phase(medium, before, after);
-    let chances = (1.0 - share) * scattering + share * phase(medium, scene.to_sun, after);
+    let after = scattered(species, channel, around);
+    let scattering = phase(species, before, after);
+    let chances = (1.0 - share) * scattering + share * phase(species, scene.to_sun, after);
     let chance = chances[channel];
     (*path).direction = after;
     (*path).throughput *= scattering / chance;
@@ -398,7 +374,7 @@ fn advance(path: ptr<function, Path>, index: u32) {
     let direction = select((*path).direction, (*path).to_light, is_shadow);
     let step = track((*path).position, direction);
     (*path).position = step.position;
-    let share = select(0.0, step.point.extinction / max(step.majorant, 1e-20), step.tentative);
+    let share = select(0.0, step.matter.extinction / max(step.majorant, 1e-20), step.tentative);
     var seen = false;
     if is_shadow {
         (*path).shadow *= 1.0 - share;
@@ -416,7 +392,7 @@ fn advance(path: ptr<function, Path>, index: u32) {
         }
         finish(path, index);
     } else if step.tentative && draw() < share {
-        collide(path, step.position, step.point.medium);
+        collide(path, step.position, step.matter.species);
         seen = all((*path).light <= vec3f(0.0));
     }
     if seen {

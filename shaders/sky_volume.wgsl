@@ -1,14 +1,13 @@
 // How well the light of sky, horizon and ground reaches each voxel of a cloud: optical
 // depth up, down, and that which conducts as the sides do on average. The light is diffuse,
 // so the noise is left out. One thread a voxel.
-// @use density light_box eddington
+// @use eddington light_box medium
 
 @group(0) @binding(0) var<uniform> box: LightBox;
-@group(0) @binding(1) var<storage, read> ellipsoids: array<Ellipsoid>;
-// Lists of the ellipsoids in each brick.
-@group(0) @binding(5) var<storage, read> lists: array<vec2u>;
-@group(0) @binding(6) var<storage, read> candidates: array<u32>;
-@group(0) @binding(7) var volume: texture_storage_3d<rgba16float, write>;
+// Lists of what is in each brick.
+@group(0) @binding(1) var<storage, read> lists: array<Region>;
+@group(0) @binding(2) var<storage, read> candidates: array<u32>;
+@group(0) @binding(3) var volume: texture_storage_3d<rgba16float, write>;
 
 const SIDES: u32 = 6u;
 // Samples of each path, at distances that grow with their square.
@@ -16,13 +15,9 @@ const SAMPLES: u32 = 4u;
 
 // Mean extinction at a point without the forward peak.
 fn extinction_at(p: vec3f, blur: f32) -> f32 {
-    var matter = CLEAR;
     let list = lists[light_box_brick(textureDimensions(volume), light_box_coordinate(box, p))];
-    for (var i = 0u; i < list.y; i++) {
-        let e = ellipsoids[candidates[list.x + i]];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), vec2f(0.0), blur);
-    }
-    return (1.0 - box.chop) * matter.extinction;
+    let matter = medium_mean_at(list, p, blur);
+    return transported(medium_species(matter.species)) * matter.extinction;
 }
 
 // Optical depth from a point over `reach` metres.
@@ -47,13 +42,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let blur = box.length / f32(size.z);
     let above = optical_depth_along(p, -box.along, uvw.z * box.length, blur);
     let below = optical_depth_along(p, box.along, (1.0 - uvw.z) * box.length, blur);
+    let g = medium_species(0u).asymmetry;
     let aside = 0.5 * max(length(box.edge_u), length(box.edge_v));
     var sides = 0.0;
     for (var i = 0u; i < SIDES; i++) {
         let angle = 6.2831853 * f32(i) / f32(SIDES);
         let depth = optical_depth_along(p, vec3f(cos(angle), 0.0, sin(angle)), aside, blur);
-        sides += diffuse_conductance(box.asymmetry, depth) / f32(SIDES);
+        sides += diffuse_conductance(g, depth) / f32(SIDES);
     }
-    let beside = diffuse_depth(box.asymmetry, sides);
+    let beside = diffuse_depth(g, sides);
     textureStore(volume, id, vec4f(min(vec3f(above, below, beside), vec3f(30000.0)), 0.0));
 }

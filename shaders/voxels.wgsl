@@ -1,6 +1,6 @@
 // Mean extinction of voxels, from samples at the middles of equal parts of each: blocks of
 // 8 by 8 by 8 voxels that ellipsoids reach into, z fastest. One thread a voxel.
-// @use density noise
+// @use medium
 
 struct Voxels {
     // Edges of a voxel, m.
@@ -26,25 +26,15 @@ struct Block {
 }
 
 @group(0) @binding(0) var<uniform> voxels: Voxels;
-@group(0) @binding(1) var<uniform> noise_frame: NoiseFrame;
-@group(0) @binding(2) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(0) @binding(3) var<storage, read> blocks: array<Block>;
-@group(0) @binding(4) var<storage, read> candidates: array<u32>;
-@group(0) @binding(5) var noise_volume: texture_3d<f32>;
-@group(0) @binding(6) var repeat: sampler;
-@group(0) @binding(7) var<storage, read_write> extinctions: array<f32>;
+@group(0) @binding(1) var<storage, read> blocks: array<Block>;
+@group(0) @binding(2) var<storage, read> candidates: array<u32>;
+@group(0) @binding(3) var<storage, read_write> extinctions: array<f32>;
 
 const EDGE: u32 = 8u;
 const VOXELS: u32 = EDGE * EDGE * EDGE;
 
 fn extinction_at(p: vec3f, block: Block) -> f32 {
-    let noise = noise_at(noise_volume, repeat, noise_frame, p, 0.0);
-    var matter = CLEAR;
-    for (var i = 0u; i < block.count; i++) {
-        let e = ellipsoids[candidates[block.first + i]];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, 0.0);
-    }
-    return matter.extinction;
+    return medium_at(Region(block.first, block.count), p, 0.0, 0.0).extinction;
 }
 
 @compute @workgroup_size(64)

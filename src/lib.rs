@@ -49,6 +49,7 @@ mod error;
 #[cfg(feature = "export")]
 pub mod export;
 mod files;
+pub mod frame;
 pub mod gpu;
 #[cfg(feature = "export")]
 pub mod import;
@@ -59,5 +60,8 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod tables;
+
+#[cfg(test)]
+mod layouts;
 
 pub use error::{Error, Result};

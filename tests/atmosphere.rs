@@ -9,7 +9,7 @@ mod reference;
 use std::f64::consts::PI;
 
 use common::evaluate_with;
-use nephos::render::AtmosphereUniform;
+use nephos::frame::AtmosphereUniform;
 use reference::{Air, GROUND, TOP, to_sphere};
 
 /// WGSL that makes `earth` the atmosphere which the renderer makes.

@@ -26,7 +26,7 @@ const MIDDLE: DVec3 = DVec3::new(0.0, 1500.0, 0.0);
 /// A picture, finite and never negative.
 fn picture_of(scene: &Scene, size: [u32; 2]) -> Picture {
     static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
-    let shared = RENDERER.get_or_init(|| Mutex::new(renderer(COARSE, Transport::Moments)));
+    let shared = RENDERER.get_or_init(|| Mutex::new(renderer(COARSE, Transport::MOMENTS)));
     let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
     let picture = draw(&mut renderer, scene, size, true);
     for pixel in &picture.pixels {
@@ -232,7 +232,7 @@ fn pictures_of_one_pixel_and_of_one_row() {
 #[test]
 fn the_largest_picture() {
     let scene = scene(DVec3::splat(4.0), 1.0, 400.0);
-    let mut renderer = renderer(COARSE, Transport::Single);
+    let mut renderer = renderer(COARSE, Transport::SINGLE);
     let picture = draw(&mut renderer, &scene, [8192, 8192], false);
     let at = |x: usize, y: usize| f64::from(picture.pixels[y * 8192 + x][3]);
     assert!((at(4096, 4096) - 1.0 + (-1f64).exp()).abs() < 0.01, "{}", at(4096, 4096));
@@ -250,7 +250,7 @@ fn pictures_larger_than_the_device_are_refused_with_a_sentence() {
     let scene = scene(DVec3::splat(100.0), 1.0, 400.0);
     let drawn = |size: [u32; 2]| {
         let mut renderer = Renderer::new(&small.device, &small.queue, wgpu::TextureFormat::Rgba16Float);
-        (renderer.quality, renderer.transport) = (COARSE, Transport::Single);
+        (renderer.settings.quality, renderer.settings.transport) = (COARSE, Transport::SINGLE);
         let frame = Frame::new(&scene, size).unwrap();
         let texture = renderer.picture("test", size, wgpu::TextureFormat::Rgba16Float);
         let view = texture.create_view(&Default::default());
@@ -281,9 +281,9 @@ fn boundaries_thicker_than_their_ellipsoid_are_not_stepped_over() {
     let mut sheet = scene(DVec3::new(150.0, 7.0, 150.0), 3000.0, 10.0);
     sheet.noise.scale = 30.0;
     sheet.clouds[0].edge = Edge { boundary: 60.0, wispiness: 0.9 };
-    let mut renderer = renderer(COARSE, Transport::Emitter);
+    let mut renderer = renderer(COARSE, Transport::EMITTER);
     let mut seen = |first_step: f32, longest_step: f32| {
-        renderer.quality = Quality { first_step, longest_step, max_steps: 1024, ..COARSE };
+        renderer.settings.quality = Quality { first_step, longest_step, max_steps: 1024, ..COARSE };
         covered(&draw(&mut renderer, &sheet, [48, 48], false))
     };
     let (coarse, fine) = (seen(COARSE.first_step, COARSE.longest_step), seen(0.005, 0.02));

@@ -28,8 +28,8 @@ fn drawn(renderer: &mut Renderer, scene: &Scene) -> Picture {
 }
 
 fn at_once(lights_at_once: u32) -> Renderer {
-    let mut renderer = renderer(Quality::DRAFT, Transport::Moments);
-    renderer.lights_at_once = lights_at_once;
+    let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
+    renderer.settings.lights_at_once = lights_at_once;
     renderer
 }
 
@@ -67,7 +67,7 @@ fn clouds_without_light_wait_for_their_turn_and_then_all_is_as_ever() {
 fn while_the_sun_moves_every_cloud_has_its_turn() {
     let (mut some, mut all) = (at_once(u32::MAX), at_once(u32::MAX));
     drawn(&mut some, &with_sun(100.0));
-    some.lights_at_once = 1;
+    some.settings.lights_at_once = 1;
     let mut turns = [0; 3];
     for azimuth in [120.0, 140.0, 160.0] {
         let picture = drawn(&mut some, &with_sun(azimuth));
@@ -86,7 +86,7 @@ fn a_cloud_that_moves_keeps_its_light_until_its_turn() {
     let mut some = at_once(u32::MAX);
     drawn(&mut some, &three_clouds());
     let made = some.light_updates();
-    some.lights_at_once = 0;
+    some.settings.lights_at_once = 0;
     let mut moved = three_clouds();
     moved.clouds[1].ellipsoids[0].center.x += 20.0;
     let picture = drawn(&mut some, &moved);
@@ -97,9 +97,9 @@ fn a_cloud_that_moves_keeps_its_light_until_its_turn() {
 #[test]
 fn light_of_another_model_does_not_stand_in() {
     let mut some = at_once(u32::MAX);
-    some.transport = Transport::Single;
+    some.settings.transport = Transport::SINGLE;
     drawn(&mut some, &three_clouds());
-    (some.transport, some.lights_at_once) = (Transport::Moments, 0);
+    (some.settings.transport, some.settings.lights_at_once) = (Transport::MOMENTS, 0);
     let picture = drawn(&mut some, &three_clouds());
     assert_eq!(some.lights_waiting(), 3);
     assert!(picture.pixels.iter().all(|pixel| pixel[3] == 0.0));

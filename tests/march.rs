@@ -72,7 +72,7 @@ fn homogeneous_ellipsoid_obeys_beer_and_lambert_at_every_step_length() {
     let scene = homogeneous(120.0);
     let extinction = scene.clouds[0].droplets.extinction();
     for quality in qualities() {
-        let picture = draw(&mut renderer(quality, Transport::Single), &scene, SIZE, false);
+        let picture = draw(&mut renderer(quality, Transport::SINGLE), &scene, SIZE, false);
         let mut hits = 0;
         for (alpha, chord) in alphas(&picture).into_iter().zip(chords(&scene)) {
             let exact = chord.map_or(0.0, |(length, _)| 1.0 - (-extinction * length).exp());
@@ -86,7 +86,7 @@ fn homogeneous_ellipsoid_obeys_beer_and_lambert_at_every_step_length() {
 
 /// Mean alpha of a picture of a scene whose edges are sampled, at some quality.
 fn mean_alpha(scene: &Scene, quality: Quality) -> f64 {
-    let picture = draw(&mut renderer(quality, Transport::Single), scene, SIZE, false);
+    let picture = draw(&mut renderer(quality, Transport::SINGLE), scene, SIZE, false);
     alphas(&picture).iter().sum::<f64>() / f64::from(SIZE[0] * SIZE[1])
 }
 
@@ -153,7 +153,7 @@ fn spikes_are_found_by_short_steps() {
             jitter: false,
             ..Quality::DRAFT
         };
-        alphas(&draw(&mut renderer(quality, Transport::Single), &scene, SIZE, false))
+        alphas(&draw(&mut renderer(quality, Transport::SINGLE), &scene, SIZE, false))
     });
     let [draft, fine, finer, finest] = &pictures;
     let error = |picture: &[f64]| {
@@ -171,7 +171,7 @@ fn overlapping_ellipsoids_count_once() {
     let mut many = one.clone();
     let again = many.clouds[0].ellipsoids[0].clone();
     many.clouds[0].ellipsoids.extend([again.clone(), again]);
-    let mut renderer = renderer(Quality::FINAL, Transport::Single);
+    let mut renderer = renderer(Quality::FINAL, Transport::SINGLE);
     let pictures = [&one, &many].map(|scene| alphas(&draw(&mut renderer, scene, SIZE, false)));
     let worst = pictures[0].iter().zip(&pictures[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-3, "{worst}");
@@ -184,7 +184,7 @@ fn denser_ellipsoid_inside_a_thinner_one_adds_only_what_is_more() {
     core.radii *= 0.5;
     core.density = 2.0;
     scene.clouds[0].ellipsoids.push(core);
-    let picture = draw(&mut renderer(Quality::FINAL, Transport::Single), &scene, SIZE, false);
+    let picture = draw(&mut renderer(Quality::FINAL, Transport::SINGLE), &scene, SIZE, false);
     let extinction = scene.clouds[0].droplets.extinction();
     let whole = chords(&scene);
     let mut inner = scene.clone();
@@ -206,7 +206,7 @@ fn camera_inside_sees_only_what_is_ahead() {
     let whole = chords(&scene);
     scene.camera = Some(camera);
     let ahead = chords(&scene);
-    let picture = draw(&mut renderer(Quality::FINAL, Transport::Single), &scene, SIZE, false);
+    let picture = draw(&mut renderer(Quality::FINAL, Transport::SINGLE), &scene, SIZE, false);
     let extinction = scene.clouds[0].droplets.extinction();
     for (alpha, chord) in alphas(&picture).into_iter().zip(ahead) {
         let length = chord.map_or(0.0, |(length, start)| (start + length).max(0.0) - start.max(0.0));
@@ -238,7 +238,7 @@ fn clouds_end_at_what_the_caller_drew() {
 /// Alpha of the middle pixel with a wall at `depth` of a depth buffer.
 fn middle_alpha(scene: &Scene, wall: Option<(f32, f32, f32, bool)>) -> f64 {
     let size = [33, 33];
-    let mut renderer = renderer(Quality { opaque: 0.0, ..Quality::FINAL }, Transport::Single);
+    let mut renderer = renderer(Quality { opaque: 0.0, ..Quality::FINAL }, Transport::SINGLE);
     let frame = Frame::new(scene, size).unwrap();
     let color = renderer.picture("color", size, wgpu::TextureFormat::Rgba16Float);
     let depth = renderer.picture("depth", size, wgpu::TextureFormat::Depth32Float);
@@ -311,7 +311,7 @@ fn single_scattering_of_a_sphere_is_the_integral() {
             "projection": {"orthographic": {"height": 220}}}}"#,
     );
     let extinction = scene.clouds[0].droplets.extinction();
-    let picture = draw(&mut renderer(Quality::FINAL, Transport::Single), &scene, SIZE, false);
+    let picture = draw(&mut renderer(Quality::FINAL, Transport::SINGLE), &scene, SIZE, false);
     let to_sun = scene.sun.to_sun();
     let mut squares = (0.0, 0.0);
     for (i, chord) in chords(&scene).into_iter().enumerate() {
@@ -358,7 +358,7 @@ fn rotation_of_the_quaternion_turns_the_picture() {
     let mut swapped = turned.clone();
     swapped.clouds[0].ellipsoids[0].orientation = DQuat::IDENTITY;
     swapped.clouds[0].ellipsoids[0].radii = DVec3::new(40.0, 120.0, 80.0);
-    let mut renderer = renderer(Quality::FINAL, Transport::Single);
+    let mut renderer = renderer(Quality::FINAL, Transport::SINGLE);
     let pictures = [&turned, &swapped].map(|scene| alphas(&draw(&mut renderer, scene, SIZE, false)));
     assert!(pictures[0].iter().zip(&pictures[1]).all(|(a, b)| (a - b).abs() < 2e-3));
 }

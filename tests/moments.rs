@@ -36,7 +36,7 @@ fn mean(values: &[f64]) -> f64 {
 fn a_white_furnace_stays_white() {
     let scene = noisy(r#"{"uniform": {"radiance": [1, 1, 1]}}"#, 0.0, 1.0);
     for quality in [Quality::DRAFT, Quality::FINAL] {
-        let picture = draw(&mut renderer(quality, Transport::Moments), &scene, SIZE, false);
+        let picture = draw(&mut renderer(quality, Transport::MOMENTS), &scene, SIZE, false);
         // Half floats, and what the rounds have not carried into the middle: measured 0.001.
         for light in light(&picture) {
             assert!((light - 1.0).abs() < 0.005, "{light}");
@@ -52,7 +52,7 @@ fn light_finds_its_way_into_a_cloud_of_ninety_mean_free_paths() {
     let radius = cloud.ellipsoids[0].radii.min_element();
     cloud.droplets.concentration_per_cm3 *= 45.0 / (radius * cloud.droplets.extinction());
     for quality in [Quality::DRAFT, Quality::PREVIEW] {
-        let picture = draw(&mut renderer(quality, Transport::Moments), &scene, SIZE, false);
+        let picture = draw(&mut renderer(quality, Transport::MOMENTS), &scene, SIZE, false);
         let most = light(&picture).iter().map(|light| (light - 1.0).abs()).fold(0.0, f64::max);
         eprintln!("off by {most} at most");
         // All rounds done once are off by 0.02.
@@ -71,7 +71,7 @@ fn a_cell_scatters_no_more_sunlight_than_comes_in() {
             "ellipsoids": [{"center": [669.1, 1668.8, -220.6], "radii": [253.8, 3.09, 230.9],
                 "orientation": [-0.16, 0.4375, -0.441, 0.767]}]}]}"#,
     );
-    let picture = draw(&mut renderer(Quality::DRAFT, Transport::Moments), &thick, SIZE, false);
+    let picture = draw(&mut renderer(Quality::DRAFT, Transport::MOMENTS), &thick, SIZE, false);
     let most = picture.pixels.iter().map(|pixel| pixel[1]).fold(0.0, f32::max);
     eprintln!("{most} at most");
     assert!(most > 0.0 && most < 0.68, "{most}");
@@ -84,7 +84,7 @@ fn droplets_that_throw_light_back_stay_white_too() {
     // worst pixel. The second has not converged; no droplets are like it.
     for (g, bound) in [(-0.5, 0.005), (-0.9, 0.12)] {
         scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g };
-        let picture = draw(&mut renderer(Quality::DRAFT, Transport::Moments), &scene, SIZE, false);
+        let picture = draw(&mut renderer(Quality::DRAFT, Transport::MOMENTS), &scene, SIZE, false);
         let most = light(&picture).iter().map(|light| (light - 1.0).abs()).fold(0.0, f64::max);
         eprintln!("g {g}: off by {most} at most");
         assert!(most < bound, "g {g}: {most}");
@@ -95,7 +95,7 @@ fn droplets_that_throw_light_back_stay_white_too() {
 fn droplets_that_absorb_are_darker_and_black_ones_are_black() {
     let at = |albedo| {
         let scene = noisy(r#"{"uniform": {"radiance": [1, 1, 1]}}"#, 0.0, albedo);
-        mean(&light(&draw(&mut renderer(Quality::PREVIEW, Transport::Moments), &scene, SIZE, false)))
+        mean(&light(&draw(&mut renderer(Quality::PREVIEW, Transport::MOMENTS), &scene, SIZE, false)))
     };
     let [black, dim, grey, white] = [0.0, 0.9, 0.99, 1.0].map(at);
     assert!(black < 1e-3, "{black}");
@@ -111,7 +111,7 @@ fn light_of_a_thin_cloud_is_single_scattering() {
         let picture = draw(&mut renderer(Quality::FINAL, transport), &thin, SIZE, false);
         picture.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>()
     };
-    let ratio = of(Transport::Moments) / of(Transport::Single);
+    let ratio = of(Transport::MOMENTS) / of(Transport::SINGLE);
     assert!((1.0..1.03).contains(&ratio), "{ratio}");
 }
 
@@ -120,7 +120,7 @@ fn more_cells_change_little() {
     let scene = noisy(r#"{"atmosphere": {}}"#, 1.0, 1.0);
     let at = |light_cells| {
         let quality = Quality { light_cells, ..Quality::PREVIEW };
-        light(&draw(&mut renderer(quality, Transport::Moments), &scene, SIZE, false))
+        light(&draw(&mut renderer(quality, Transport::MOMENTS), &scene, SIZE, false))
     };
     let (few, many) = (at(16), at(40));
     let squares: f64 = few.iter().zip(&many).map(|(a, b)| (a - b).powi(2)).sum();
@@ -131,7 +131,7 @@ fn more_cells_change_little() {
 #[test]
 fn a_moved_camera_makes_no_light_again_and_a_moved_sun_does() {
     let mut scene = noisy(r#"{"atmosphere": {}}"#, 1.0, 1.0);
-    let mut renderer = renderer(Quality::DRAFT, Transport::Moments);
+    let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
     let mut camera = scene.camera();
     scene.camera = Some(camera.clone());
     draw(&mut renderer, &scene, SIZE, false);

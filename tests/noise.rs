@@ -5,8 +5,8 @@ mod common;
 
 use common::{evaluate_bound, gpu};
 use nephos::{
+    frame::{NOISE_SIZE, bake_noise},
     gpu::{TextureDesc, linear_repeat, texture},
-    render::{NOISE_SIZE, bake_noise},
 };
 
 /// Uploads one level of the baked noise.

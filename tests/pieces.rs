@@ -18,7 +18,7 @@ fn scene() -> Scene {
 }
 
 fn renderer() -> Renderer {
-    picture::renderer(Quality::DRAFT, Transport::DeltaEddington)
+    picture::renderer(Quality::DRAFT, Transport::DELTA_EDDINGTON)
 }
 
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
@@ -85,10 +85,10 @@ fn the_work_of_all_pixels_is_what_is_counted() {
     behind.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center.z -= 400.0);
     scene.clouds.push(behind);
     let mut renderer = renderer();
-    renderer.counting = true;
+    renderer.settings.counting = true;
     picture::draw(&mut renderer, &scene, SIZE, false);
     let counts = renderer.counts(gpu()).unwrap();
-    renderer.counting = false;
+    renderer.settings.counting = false;
     let frame = Frame::new(&scene, SIZE).unwrap();
     let mut encoder = gpu().device.create_command_encoder(&Default::default());
     let (cost, pieces) = renderer.begin_cost(&mut encoder, &frame);

@@ -39,13 +39,13 @@ fn picture(scene: &Scene, quality: Quality, transport: Transport) -> Picture {
     static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let shared = RENDERER.get_or_init(|| Mutex::new(renderer(quality, transport)));
     let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    (renderer.quality, renderer.transport) = (quality, transport);
+    (renderer.settings.quality, renderer.settings.transport) = (quality, transport);
     draw(&mut renderer, scene, SIZE, false)
 }
 
 /// The same in coarse light, solved for.
 fn coarse(scene: &Scene) -> Picture {
-    picture(scene, COARSE, Transport::Moments)
+    picture(scene, COARSE, Transport::MOMENTS)
 }
 
 fn sum_of_squares(values: impl Iterator<Item = f32>) -> f64 {
@@ -227,7 +227,7 @@ fn turned_about_the_zenith(cases: u32, angle_deg: f64, bounds: Bounds) {
 
 /// How far pictures of two qualities are apart, lit once: the steps along rays are those of any light.
 fn samples_differ(scene: &Scene, one: Quality, other: Quality) -> Option<f64> {
-    let [one, other] = [one, other].map(|quality| picture(scene, quality, Transport::Single));
+    let [one, other] = [one, other].map(|quality| picture(scene, quality, Transport::SINGLE));
     difference(&other, &one)
 }
 

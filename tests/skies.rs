@@ -22,7 +22,7 @@ const AROUND: &str = r#"{"clouds":[{"edge":{"boundary":20},"ellipsoids":[
 /// Quick, and without grain.
 fn studio() -> Studio {
     let mut studio = Studio::new(gpu(), 1, true);
-    studio.renderer().quality = Quality { jitter: false, ..Quality::DRAFT };
+    studio.renderer().settings.quality = Quality { jitter: false, ..Quality::DRAFT };
     studio
 }
 
@@ -218,7 +218,7 @@ fn ktx_files_hold_six_faces_with_their_levels() {
 fn a_shadow_is_what_is_seen_towards_the_sun() {
     let mut scene = scene(AROUND);
     let mut studio = studio();
-    studio.renderer().transport = nephos::render::Transport::Single;
+    studio.renderer().settings.transport = nephos::render::Transport::SINGLE;
     for altitude in [0.0, 250.0] {
         let (center, extent) = studio.shadows_of(&scene, altitude).unwrap();
         let map = studio.sunlight_on(&scene, center, extent, 24).unwrap();

@@ -12,7 +12,8 @@ use common::{
     random::white,
 };
 use nephos::{
-    gpu::{ENTRY_POINTS, link},
+    frame::MEDIA,
+    gpu::{ENTRY_POINTS, Role, link},
     render::{Counts, Quality, Renderer, Transport},
     scene::{Phase, Scene, Sky, SunPosition},
 };
@@ -28,17 +29,17 @@ fn one(edge: &str) -> Scene {
 
 fn counted(scene: &Scene, transport: Transport) -> Counts {
     let mut renderer = renderer(Quality::DRAFT, transport);
-    renderer.counting = true;
+    renderer.settings.counting = true;
     draw(&mut renderer, scene, SIZE, false);
     renderer.counts(gpu()).unwrap()
 }
 
 #[test]
 fn homogeneous_clouds_read_no_noise() {
-    let smooth = counted(&one(r#"{"boundary": 0}"#), Transport::Single);
+    let smooth = counted(&one(r#"{"boundary": 0}"#), Transport::SINGLE);
     assert_eq!((smooth.density_evaluations, smooth.noise_reads), (0, 0));
     assert!(smooth.rays_hit > 0 && smooth.steps > 0);
-    let noisy = counted(&one(r#"{"boundary": 40}"#), Transport::Single);
+    let noisy = counted(&one(r#"{"boundary": 40}"#), Transport::SINGLE);
     assert!(noisy.noise_reads > 0, "else the test would prove nothing");
 }
 
@@ -46,21 +47,21 @@ fn homogeneous_clouds_read_no_noise() {
 fn light_that_is_not_asked_for_is_not_read() {
     let cloud = one(r#"{"boundary": 40}"#);
     let reads = |transport| counted(&cloud, transport).map_reads;
-    assert_eq!(reads(Transport::Emitter), 0, "an emitter has no shadows");
-    assert!(reads(Transport::Single) < reads(Transport::Moments));
+    assert_eq!(reads(Transport::EMITTER), 0, "an emitter has no shadows");
+    assert!(reads(Transport::SINGLE) < reads(Transport::MOMENTS));
     let mut lit = cloud.clone();
     lit.sky = white();
-    assert!(counted(&lit, Transport::Single).map_reads > reads(Transport::Single), "the sky is read");
+    assert!(counted(&lit, Transport::SINGLE).map_reads > reads(Transport::SINGLE), "the sky is read");
 }
 
 #[test]
 fn pixels_without_clouds_are_not_launched() {
     let empty = scene(r#"{"sky": "none", "clouds": [{}]}"#);
-    assert_eq!(counted(&empty, Transport::Single), Counts::default());
+    assert_eq!(counted(&empty, Transport::SINGLE), Counts::default());
     let mut away = one(r#"{"boundary": 40}"#);
     away.camera = Some(away.camera());
     away.clouds[0].ellipsoids[0].center.z += 1e5;
-    let counts = counted(&away, Transport::Single);
+    let counts = counted(&away, Transport::SINGLE);
     assert_eq!(counts, Counts::default(), "behind the camera");
 }
 
@@ -70,7 +71,7 @@ fn clouds_out_of_the_picture_get_no_light_and_keep_what_they_have() {
     let mut away = cloud.clone();
     let camera = cloud.camera();
     away.camera = Some(nephos::scene::Camera { target: 2.0 * camera.position - camera.target, ..camera });
-    let mut renderer = renderer(Quality::DRAFT, Transport::Single);
+    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
     let mut made = |scene: &Scene| {
         draw(&mut renderer, scene, SIZE, false);
         (renderer.light_updates(), renderer.light_bytes())
@@ -88,13 +89,13 @@ fn ellipsoids_that_a_ray_does_not_meet_are_not_asked_at_its_points() {
     let mut row = one(r#"{"boundary": 40}"#);
     row.camera = Some(row.camera());
     let first = row.clouds[0].ellipsoids[0].clone();
-    let alone = counted(&row, Transport::Single);
+    let alone = counted(&row, Transport::SINGLE);
     for i in 0..400 {
         let mut next = first.clone();
         next.center.x += 250.0 * f64::from(i + 1);
         row.clouds[0].ellipsoids.push(next);
     }
-    let many = counted(&row, Transport::Single);
+    let many = counted(&row, Transport::SINGLE);
     let each = |counts: Counts| counts.ellipsoids as f64 / counts.density_evaluations as f64;
     assert!(each(many) < 4.0 * each(alone), "{} for {}", each(many), each(alone));
 }
@@ -103,29 +104,29 @@ fn ellipsoids_that_a_ray_does_not_meet_are_not_asked_at_its_points() {
 fn only_models_of_slabs_have_maps_seen_from_the_sun() {
     let mut lit = one(r#"{"boundary": 40}"#);
     lit.sky = white();
-    let mut renderer = renderer(Quality::DRAFT, Transport::Single);
+    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
     let mut made = |scene: &Scene, transport| {
-        renderer.transport = transport;
+        renderer.settings.transport = transport;
         let before = renderer.light_updates();
         draw(&mut renderer, scene, SIZE, false);
         (renderer.light_updates() - before, renderer.light_bytes())
     };
-    let (_, single) = made(&lit, Transport::Single);
-    let (_, slabs) = made(&lit, Transport::DeltaEddington);
-    // Depths and normals, half floats of four channels, with their mips; one texel each where there are none.
+    let (_, single) = made(&lit, Transport::SINGLE);
+    let (_, slabs) = made(&lit, Transport::DELTA_EDDINGTON);
+    // Depths and normals, half floats of four channels, with their mips.
     let texels = |resolution: u64| (4 * resolution * resolution - 1) / 3;
-    let maps = texels(Quality::DRAFT.light_resolution.into()) - texels(1);
+    let maps = texels(Quality::DRAFT.light_resolution.into());
     assert_eq!(slabs - single, 2 * 8 * maps);
     // The volume of the sun is that of single scattering.
     lit.sky = Sky::None;
-    made(&lit, Transport::Single);
-    assert_eq!(made(&lit, Transport::Moments).0, 1, "the moments alone are made");
+    made(&lit, Transport::SINGLE);
+    assert_eq!(made(&lit, Transport::MOMENTS).0, 1, "the moments alone are made");
 }
 
 #[test]
 fn a_moved_sun_makes_no_noise() {
     let mut cloud = one(r#"{"boundary": 40}"#);
-    let mut renderer = renderer(Quality::DRAFT, Transport::Single);
+    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
     let mut made = |scene: &Scene| {
         draw(&mut renderer, scene, SIZE, false);
         (renderer.noise_updates(), renderer.light_updates())
@@ -145,27 +146,28 @@ fn left(scene: &Scene, transport: Transport, prepare: impl Fn(&mut Renderer)) ->
     let mut renderer = renderer(Quality::DRAFT, transport);
     prepare(&mut renderer);
     draw(&mut renderer, scene, SIZE, false);
-    let variants = renderer.variants();
-    let [(entry, overrides)] = variants.as_slice() else { panic!("one cloud has one variant: {variants:?}") };
-    compiled(&source("clouds"), entry, overrides)
+    let variants: Vec<_> = renderer.variants().collect();
+    let [variant] = variants.as_slice() else { panic!("one cloud has one variant: {variants:?}") };
+    compiled(&source("march", &variant.roles()), variant.entry, &variant.overrides())
 }
 
-fn source(name: &str) -> String {
-    link(ENTRY_POINTS.iter().find(|(known, _)| *known == name).unwrap().1)
+fn source(name: &str, roles: &[Role<'_>]) -> String {
+    link(ENTRY_POINTS.iter().find(|(known, _)| *known == name).unwrap().1, roles)
 }
 
-/// What a march alone reads: shape, noise and where the pixel is.
-const MARCH: [&str; 8] =
-    ["camera", "candidates", "cloud", "ellipsoids", "noise_frame", "noise_volume", "repeat", "tiles"];
+/// The march of single scattering.
+fn march() -> String {
+    source("march", &[MEDIA, Transport::SINGLE.roles()].concat())
+}
 
-/// Its tables and maps of light.
-fn tables(compiled: &Compiled) -> Vec<&str> {
-    let bound = link(&source("clouds"));
+/// Tables and maps of light that are left: what is bound in the group of the model of light.
+fn tables(compiled: &Compiled, transport: Transport) -> Vec<&str> {
+    let bound = source("march", &[MEDIA, transport.roles()].concat());
     let is_bound = |name: &str| {
-        bound.lines().any(|line| line.contains("@binding") && line.contains(&format!(" {name}:")))
+        bound.lines().any(|line| line.starts_with("@group(2)") && line.contains(&format!(" {name}:")))
     };
     let all = compiled.globals.iter().map(String::as_str);
-    all.filter(|name| is_bound(name) && !MARCH.contains(name) && *name != "clamped").collect()
+    all.filter(|name| is_bound(name) && !["light", "linear"].contains(name)).collect()
 }
 
 #[test]
@@ -174,31 +176,29 @@ fn each_model_of_light_reads_its_own_tables_only() {
     let sun = ["phase_table", "sun_volume"];
     let maps = ["phase_table", "sun_depths", "sun_normals", "sun_volume"];
     for (transport, expected) in [
-        (Transport::Emitter, [].to_vec()),
-        (Transport::Single, sun.to_vec()),
-        (Transport::Octaves, sun.to_vec()),
-        (Transport::Moments, [&["light_angles", "light_volume"], &sun[..]].concat()),
-        (Transport::DeltaEddington, [&["phase_table", "sky_volume"], &maps[1..]].concat()),
+        (Transport::EMITTER, [].to_vec()),
+        (Transport::SINGLE, sun.to_vec()),
+        (Transport::OCTAVES, sun.to_vec()),
+        (Transport::MOMENTS, ["phase_table", "remainder", "sun_field", "sun_volume"].to_vec()),
+        (Transport::DELTA_EDDINGTON, [&["phase_table", "sky_volume"], &maps[1..]].concat()),
+        (Transport::SLAB, [&["phase_table", "remainder", "sky_volume", "slab_table"], &maps[1..]].concat()),
         (
-            Transport::Slab,
-            [&["light_angles", "light_volume", "phase_table", "sky_volume"], &maps[1..]].concat(),
+            Transport::SLAB_KOL,
+            [&["phase_table", "slab_angles", "slab_suns", "slab_views"], &maps[1..]].concat(),
         ),
+        (Transport::SLAB_KOL_DIRECT, [&["phase_table", "slab_modes", "slab_phases"], &maps[1..]].concat()),
         (
-            Transport::SlabKol,
-            [&["light_angles", "phase_table", "slab_suns", "slab_views"], &maps[1..]].concat(),
-        ),
-        (
-            Transport::SlabBouthors,
+            Transport::SLAB_BOUTHORS,
             [
-                &["light_angles", "phase_table", "slab_entries", "slab_offsets", "slab_suns", "slab_views"],
+                &["phase_table", "slab_angles", "slab_entries", "slab_offsets", "slab_suns", "slab_views"],
                 &maps[1..],
             ]
             .concat(),
         ),
     ] {
         let left = left(&cloud, transport, |_| ());
-        assert_eq!(tables(&left), expected, "{transport:?}");
-        assert_eq!(left.functions.contains("octave_phases"), transport == Transport::Octaves);
+        assert_eq!(tables(&left, transport), expected, "{transport:?}");
+        assert_eq!(left.functions.contains("octave_phases"), transport == Transport::OCTAVES);
         assert!(left.samples > 0, "it reads noise");
     }
 }
@@ -209,15 +209,15 @@ fn what_a_scene_does_not_use_is_compiled_out() {
     let changed = |change: &dyn Fn(&mut Scene), prepare: &dyn Fn(&mut Renderer)| {
         let mut scene = plain.clone();
         change(&mut scene);
-        left(&scene, Transport::Single, prepare)
+        left(&scene, Transport::SINGLE, prepare)
     };
     let bare = changed(&|_| (), &|_| ());
     for (what, with) in [
         ("sky_volume", changed(&|scene| scene.sky = white(), &|_| ())),
         ("openness_at", changed(&|scene| scene.sky = white(), &|_| ())),
         ("aerial", changed(&|scene| scene.sky = Sky::default(), &|_| ())),
-        ("counters", changed(&|_| (), &|renderer| renderer.counting = true)),
-        ("counts", changed(&|_| (), &|renderer| renderer.counting = true)),
+        ("counters", changed(&|_| (), &|renderer| renderer.settings.counting = true)),
+        ("counts", changed(&|_| (), &|renderer| renderer.settings.counting = true)),
         ("recovered_peak", changed(&|scene| scene.clouds[0].droplets.phase = Phase::Mie, &|_| ())),
         ("sees_sun_disc", changed(&|scene| scene.clouds[0].droplets.phase = Phase::Mie, &|_| ())),
         (
@@ -234,16 +234,14 @@ fn what_a_scene_does_not_use_is_compiled_out() {
         let has = |compiled: &Compiled| compiled.globals.contains(what) || compiled.functions.contains(what);
         assert!(has(&with) && !has(&bare), "{what}");
     }
-    let dry = changed(&|scene| scene.sky = Sky::default(), &|renderer| renderer.aerial = false);
+    let dry = changed(&|scene| scene.sky = Sky::default(), &|renderer| renderer.settings.aerial = false);
     assert!(!dry.globals.contains("aerial"), "air that is not asked for");
-    let [air, no_air] =
-        [1.0, 0.0].map(|on| compiled(&source("clouds"), "quad", &[("ATMOSPHERE", on)]).globals);
+    let [air, no_air] = [1.0, 0.0].map(|on| compiled(&march(), "quad", &[("ATMOSPHERE", on)]).globals);
     assert!(air.contains("transmittance") && !no_air.contains("transmittance"));
-    let [drawn, alone] =
-        [1.0, 0.0].map(|on| compiled(&source("clouds"), "beauty", &[("SCENE_DEPTH", on)]).globals);
+    let [drawn, alone] = [1.0, 0.0].map(|on| compiled(&march(), "beauty", &[("SCENE_DEPTH", on)]).globals);
     assert!(drawn.contains("scene_depth") && !alone.contains("scene_depth"));
     assert!(!bare.globals.contains("scene_depth"));
     let [mapped, unmapped] =
-        [1.0, 0.0].map(|on| compiled(&source("sun_maps"), "main", &[("MAPPED", on)]).globals);
+        [1.0, 0.0].map(|on| compiled(&source("sun_maps", MEDIA), "main", &[("MAPPED", on)]).globals);
     assert!(mapped.contains("depths") && !unmapped.contains("depths"));
 }

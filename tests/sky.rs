@@ -17,8 +17,11 @@ use half::f16;
 use nephos::gpu::{
     ComputeProgram, TextureDesc, link, read_buffer, read_texture, storage_buffer, texture, validate,
 };
-use nephos::render::{AtmosphereUniform, CameraUniform, Redone, Sky, SkySettings, SkyUniform};
 use nephos::scene::{Atmosphere, Camera, Ellipsoid, Projection, Scene, Sky as SceneSky, SunPosition};
+use nephos::{
+    frame::{AtmosphereUniform, CameraUniform, SkySettings, SkyUniform},
+    render::{Redone, Sky},
+};
 use reference::{Air, GROUND, Multiple, Ray, Rgb};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -118,7 +121,7 @@ fn with_tables(sky: &Sky, body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
         ],
     );
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    program.dispatch(&mut encoder, &group, [inputs.len() as u32, 1, 1], None);
+    program.dispatch(&mut encoder, &[&group], [inputs.len() as u32, 1, 1], None);
     gpu.queue.submit([encoder.finish()]);
     read_buffer(gpu, &values).expect("reads back")
 }
@@ -135,7 +138,7 @@ fn relative_error(got: [f32; 4], want: Rgb) -> f64 {
 
 #[test]
 fn the_uniforms_are_laid_out_as_the_shader_has_them() {
-    let module = validate(&link("// @use atmosphere\n")).expect("valid");
+    let module = validate(&link("// @use atmosphere\n", &[])).expect("valid");
     let offset = |structure: &str, member: &str| {
         let (_, found) =
             module.types.iter().find(|(_, t)| t.name.as_deref() == Some(structure)).expect("exists");

@@ -17,7 +17,7 @@ use nephos::{
         phase::Phase,
         slab::{Beam, Medium, SETS, Solver, moments},
     },
-    render::{Frame, Quality, Renderer, SlabTable, Transport},
+    render::{Frame, Quality, Renderer, Transport},
     scene::{Preset, Projection, Scene, SunPosition},
     tables,
 };
@@ -54,7 +54,7 @@ fn a_flat_cloud_is_a_slab() {
     let to_sun = at_angle(35.0, 180.0);
     // Angles of the view: above and below, across the sun's azimuth, with it and against it.
     let views = [(20.0, 0.0), (50.0, 90.0), (60.0, 180.0), (150.0, 0.0), (120.0, 90.0), (180.0, 0.0)];
-    let mut renderer = renderer(Quality::FINAL, Transport::Slab);
+    let mut renderer = renderer(Quality::FINAL, Transport::SLAB);
     for per_cm3 in [40.0, 160.0, 640.0] {
         let mut field = None;
         for (theta, azimuth) in views {
@@ -92,13 +92,14 @@ fn kol_and_bouthors_see_a_flat_cloud_as_a_slab() {
     // Their point lies a tenth of the slab deep (3.4.5).
     let exact: f64 =
         (0..SETS).map(|set| field.radiance(set, -to_eye.y, &[90.0_f64.to_radians()])[0][level]).sum();
-    for transport in [Transport::SlabKol, Transport::SlabBouthors] {
-        for (table, bound) in [(SlabTable::Functions, 0.35), (SlabTable::Direct, 0.15)] {
-            let mut renderer = renderer(Quality::FINAL, transport);
-            renderer.slab_table = table;
-            let found = multiple_light(&mut renderer, &scene);
-            assert!((found / exact - 1.0).abs() < bound, "{transport:?} {table:?}: {found} for {exact}");
-        }
+    for (transport, bound) in [
+        (Transport::SLAB_KOL, 0.35),
+        (Transport::SLAB_KOL_DIRECT, 0.15),
+        (Transport::SLAB_BOUTHORS, 0.35),
+        (Transport::SLAB_BOUTHORS_DIRECT, 0.15),
+    ] {
+        let found = multiple_light(&mut renderer(Quality::FINAL, transport), &scene);
+        assert!((found / exact - 1.0).abs() < bound, "{transport}: {found} for {exact}");
     }
 }
 
@@ -113,11 +114,11 @@ fn a_slab_costs_at_most_thirty_reads_at_each_of_its_points() {
     scene.camera = Some(camera);
     let work = |transport| {
         let mut renderer = renderer(Quality::FINAL, transport);
-        renderer.counting = true;
+        renderer.settings.counting = true;
         draw(&mut renderer, &scene, SIZE, true);
         renderer.counts(gpu()).unwrap()
     };
-    let (slab, single) = (work(Transport::Slab), work(Transport::Single));
+    let (slab, single) = (work(Transport::SLAB), work(Transport::SINGLE));
     assert_eq!(slab.density_evaluations, single.density_evaluations, "it asks for no density");
     let added = (slab.map_reads - single.map_reads) as f64 / slab.rays_hit as f64;
     // Four a set of orders, and two.
@@ -189,7 +190,7 @@ fn the_resolution_of_the_sun_maps_does_not_change_the_light() {
     let scene = Preset::Mediocris.scene(1);
     let at = |light_resolution: u32| {
         let quality = Quality { light_resolution, ..Quality::FINAL };
-        draw(&mut renderer(quality, Transport::Slab), &scene, SIZE, false)
+        draw(&mut renderer(quality, Transport::SLAB), &scene, SIZE, false)
     };
     let (coarse, middle, fine) = (at(64), at(128), at(256));
     println!(
@@ -206,7 +207,7 @@ fn the_resolution_of_the_sun_maps_does_not_change_the_light() {
 fn few_points_of_a_ray_tell_its_diffuse_light() {
     let scene = Preset::Humilis.scene(1);
     let at = |light_nodes: u32| {
-        draw(&mut renderer(Quality { light_nodes, ..Quality::FINAL }, Transport::Slab), &scene, SIZE, false)
+        draw(&mut renderer(Quality { light_nodes, ..Quality::FINAL }, Transport::SLAB), &scene, SIZE, false)
     };
     let many = at(8);
     let errors = [2, 3, 4, 6].map(|nodes| difference(&many, &at(nodes)));
@@ -261,7 +262,7 @@ fn light_moves_steadily_with_sun_camera_and_cloud() {
     };
     // A tenth of a degree and half a metre a picture: what is left is steps of the march that
     // come and go. Measured over eight pictures: 0.010, and 0.028 and 0.090 of the others.
-    let (ours, kol, bouthors) = (of(Transport::Slab), of(Transport::SlabKol), of(Transport::SlabBouthors));
+    let (ours, kol, bouthors) = (of(Transport::SLAB), of(Transport::SLAB_KOL), of(Transport::SLAB_BOUTHORS));
     assert!(ours < 0.02 && ours < kol && ours < bouthors, "{ours} {kol} {bouthors}");
 }
 
@@ -275,7 +276,7 @@ fn both_faces(renderer: &mut Renderer, per_cm3: f64) -> [f64; 2] {
 #[test]
 fn thick_clouds_are_bright_above_and_thin_ones_below() {
     // 200 m with as many droplets as make them like 75, 225, 500 and 900 m of Kol's cloud.
-    let mut renderer = renderer(Quality::FINAL, Transport::Slab);
+    let mut renderer = renderer(Quality::FINAL, Transport::SLAB);
     let ratios = [75.0, 225.0, 500.0, 900.0].map(|metres: f64| {
         let [above, below] = both_faces(&mut renderer, 400.0 * metres / 200.0);
         above / below
@@ -301,7 +302,7 @@ fn lumps(both: bool) -> Scene {
 #[test]
 fn concavities_are_brighter() {
     let light = |both: bool| {
-        let picture = draw(&mut renderer(Quality::FINAL, Transport::Slab), &lumps(both), [32, 18], false);
+        let picture = draw(&mut renderer(Quality::FINAL, Transport::SLAB), &lumps(both), [32, 18], false);
         // The crease, a little to the side of the lump that is always there.
         (4..14)
             .map(|y| f64::from(picture.pixels[y * 32 + 15][1] / picture.pixels[y * 32 + 15][3]))
@@ -314,7 +315,7 @@ fn concavities_are_brighter() {
 #[test]
 fn light_of_thin_edges_goes_on_forward() {
     // A wisp before the sun and opposite to it.
-    let mut renderer = renderer(Quality::FINAL, Transport::Slab);
+    let mut renderer = renderer(Quality::FINAL, Transport::SLAB);
     let [forward, back] = [0.0, 180.0].map(|azimuth| {
         let scene = flat_cloud(10.0, at_angle(60.0, 180.0), at_angle(120.0, azimuth));
         multiple_light(&mut renderer, &scene)
@@ -325,16 +326,18 @@ fn light_of_thin_edges_goes_on_forward() {
 #[test]
 fn every_slab_model_draws_light_that_is_finite_and_near_the_others() {
     let scene = Preset::Mediocris.scene(1);
-    let ours = mean_light(&draw(&mut renderer(Quality::PREVIEW, Transport::Slab), &scene, SIZE, false));
-    for transport in [Transport::DeltaEddington, Transport::SlabKol, Transport::SlabBouthors] {
-        for table in [SlabTable::Functions, SlabTable::Direct] {
-            let mut renderer = renderer(Quality::PREVIEW, transport);
-            renderer.slab_table = table;
-            let picture = draw(&mut renderer, &scene, SIZE, false);
-            assert!(picture.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "{transport:?}");
-            // Slabs lose no light by their sides: up to twice the truth.
-            let ratio = mean_light(&picture) / ours;
-            assert!((0.6..2.2).contains(&ratio), "{transport:?} {table:?}: {ratio}");
-        }
+    let ours = mean_light(&draw(&mut renderer(Quality::PREVIEW, Transport::SLAB), &scene, SIZE, false));
+    for transport in [
+        Transport::DELTA_EDDINGTON,
+        Transport::SLAB_KOL,
+        Transport::SLAB_KOL_DIRECT,
+        Transport::SLAB_BOUTHORS,
+        Transport::SLAB_BOUTHORS_DIRECT,
+    ] {
+        let picture = draw(&mut renderer(Quality::PREVIEW, transport), &scene, SIZE, false);
+        assert!(picture.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "{transport}");
+        // Slabs lose no light by their sides: up to twice the truth.
+        let ratio = mean_light(&picture) / ours;
+        assert!((0.6..2.2).contains(&ratio), "{transport}: {ratio}");
     }
 }

@@ -7,7 +7,7 @@ use common::{evaluate, evaluate_bound, gpu};
 use nephos::gpu::linear_clamp;
 use nephos::optics::slab::samples::{View, view_coordinate};
 use nephos::optics::slab::{SETS, axes, direct, spread};
-use nephos::render::slab_textures::{DirectTextures, FunctionTextures};
+use nephos::render::{DirectTextures, FunctionTextures};
 use nephos::tables::{slab_functions, slab_radiance};
 use wgpu::BindingResource::{Sampler, TextureView};
 

@@ -21,7 +21,7 @@ const PAIR: &str = r#"{"clouds":[
 /// Quick, and without grain.
 fn studio() -> Studio {
     let mut studio = Studio::new(gpu(), 1, false);
-    studio.renderer().quality = Quality { jitter: false, ..Quality::DRAFT };
+    studio.renderer().settings.quality = Quality { jitter: false, ..Quality::DRAFT };
     studio
 }
 
@@ -196,7 +196,7 @@ fn frames_blended_by_motion_are_nearer_to_what_is_between_than_faded_ones() {
     let course = Course { turns: 1, ..Course::default() };
     let to_eye = subject.to_camera();
     let mut studio = studio();
-    studio.renderer().quality = Quality { jitter: false, ..Quality::PREVIEW };
+    studio.renderer().settings.quality = Quality { jitter: false, ..Quality::PREVIEW };
     let (mut faded, mut warped) = (0.0, 0.0);
     for i in [0, 9] {
         let mut frame = |i: u32| {

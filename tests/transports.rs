@@ -52,7 +52,7 @@ fn an_emitter_shows_its_emission_times_its_opacity() {
     for (phase, albedo) in [(r#""isotropic""#, 1.0), (r#""mie""#, 1.0), (r#""mie""#, 0.8)] {
         let scene = sphere(120.0, phase, albedo, sky);
         let extinction = scene.clouds[0].droplets.extinction();
-        let picture = draw(&mut renderer(Quality::FINAL, Transport::Emitter), &scene, SIZE, false);
+        let picture = draw(&mut renderer(Quality::FINAL, Transport::EMITTER), &scene, SIZE, false);
         for (pixel, (x, y, half)) in picture.pixels.iter().zip(rays()) {
             let opacity = 1.0 - (-2.0 * extinction * half).exp();
             let radiance = [1.0, 2.0, 4.0].map(|sun| sun / (4.0 * PI));
@@ -86,7 +86,7 @@ fn octaves_of_a_sphere_are_their_integrals() {
     for (per_cm3, bound) in [(1.0, 0.01), (60.0, 0.02)] {
         let scene = sphere(per_cm3, r#""isotropic""#, 1.0, r#""none""#);
         let extinction = scene.clouds[0].droplets.extinction();
-        let picture = draw(&mut renderer(Quality::FINAL, Transport::Octaves), &scene, SIZE, false);
+        let picture = draw(&mut renderer(Quality::FINAL, Transport::OCTAVES), &scene, SIZE, false);
         let mut squares = (0.0, 0.0);
         for (pixel, ray) in picture.pixels.iter().zip(rays()) {
             let exact = octaves(extinction, scene.sun.to_sun(), ray);
@@ -102,7 +102,7 @@ fn octaves_of_a_sphere_are_their_integrals() {
 #[test]
 fn octaves_of_a_thin_cloud_are_seven_quarters_of_single_scattering() {
     let scene = sphere(0.2, r#""isotropic""#, 1.0, r#""none""#);
-    let [single, octaves] = [Transport::Single, Transport::Octaves].map(|transport| {
+    let [single, octaves] = [Transport::SINGLE, Transport::OCTAVES].map(|transport| {
         let picture = draw(&mut renderer(Quality::FINAL, transport), &scene, SIZE, false);
         picture.pixels.iter().map(|pixel| f64::from(pixel[2])).sum::<f64>()
     });
@@ -115,12 +115,12 @@ fn models_leave_out_the_work_that_they_do_not_need() {
     let scene = Preset::Mediocris.scene(1);
     let work = |transport| -> Counts {
         let mut renderer = renderer(Quality::PREVIEW, transport);
-        renderer.counting = true;
+        renderer.settings.counting = true;
         draw(&mut renderer, &scene, SIZE, true);
         renderer.counts(gpu()).unwrap()
     };
     let (emitter, single, octaves) =
-        (work(Transport::Emitter), work(Transport::Single), work(Transport::Octaves));
+        (work(Transport::EMITTER), work(Transport::SINGLE), work(Transport::OCTAVES));
     assert_eq!(octaves, single, "octaves are exponentials only");
     assert_eq!(emitter.map_reads, 0, "an emitter knows no shadow");
     assert!(emitter.density_evaluations <= emitter.steps, "{emitter:?}");

@@ -66,7 +66,7 @@ fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>)
     bindings[18] = Some(values.as_entire_binding());
     let group = program.bind(device, &bindings);
     let mut encoder = device.create_command_encoder(&Default::default());
-    program.dispatch(&mut encoder, &group, [64, 1, 1], None);
+    program.dispatch(&mut encoder, &[&group], [64, 1, 1], None);
     gpu().queue.submit([encoder.finish()]);
     (read_buffer(gpu(), &counts).unwrap(), read_buffer(gpu(), &values).unwrap())
 }
@@ -206,7 +206,7 @@ fn free_paths() -> Vec<u32> {
     bindings[13] = Some(wgpu::BindingResource::Sampler(&repeat));
     let group = program.bind(device, &bindings);
     let mut encoder = device.create_command_encoder(&Default::default());
-    program.dispatch(&mut encoder, &group, [32, 1, 1], None);
+    program.dispatch(&mut encoder, &[&group], [32, 1, 1], None);
     gpu().queue.submit([encoder.finish()]);
     read_buffer(gpu(), &counts).unwrap()
 }

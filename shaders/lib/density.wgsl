@@ -25,9 +25,11 @@ struct Matter {
     // Distance from the deepest such boundary, or from the end of the rise behind it, m: so far
     // would the extinction stay the same, were there no noise. 0 or less where it changes.
     steady: f32,
+    // Species of the densest ellipsoid.
+    species: u32,
 }
 
-const CLEAR: Matter = Matter(0.0, -1e30, 0.0);
+const CLEAR: Matter = Matter(0.0, -1e30, 0.0, 0u);
 
 // The union grown by one more ellipsoid; `blur` is the width of a pixel, m: edges that
 // it could not show are widened to it, about their middle, so that no matter is lost.
@@ -42,5 +44,6 @@ fn matter_with(matter: Matter, e: Ellipsoid, u: vec3f, noise: vec2f, blur: f32) 
     let steady = select(matter.steady, max(-depth, depth - width), deepest);
     // Something else than the deepest ellipsoid decides.
     let other = select(extinction > matter.extinction, extinction < matter.extinction, deepest);
-    return Matter(max(matter.extinction, extinction), max(matter.depth, depth), select(steady, 0.0, other));
+    return Matter(max(matter.extinction, extinction), max(matter.depth, depth), select(steady, 0.0, other),
+        select(matter.species, e.species, extinction > matter.extinction));
 }

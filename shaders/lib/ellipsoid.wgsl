@@ -16,6 +16,11 @@ struct Ellipsoid {
     wispiness: f32,
     // Scale of the concentric ellipsoid inside which the density is constant; 0 or less for none.
     core: f32,
+    // Place of its particles in the medium's table of species.
+    species: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 // A point (w = 1) or direction (w = 0) in the space where the ellipsoid is the unit sphere.

@@ -9,23 +9,20 @@ struct LightBox {
     texel: f32,
     // Rows of the map from metres to texture coordinates.
     row_u: vec3f,
-    // Distance before the box at which other clouds begin, m; 0 where none casts a shadow here.
-    before: f32,
+    // Length of the columns, m.
+    length: f32,
     row_v: vec3f,
-    // Number of ellipsoids of the cloud itself, and with those of others that cast shadows on it.
-    own: u32,
+    padding_v: f32,
     row_w: vec3f,
-    all: u32,
+    padding_w: f32,
     // Edges across, m.
     edge_u: vec3f,
-    // Share of extinction in the removed forward peak.
-    chop: f32,
+    padding_edge_u: f32,
     edge_v: vec3f,
-    // Asymmetry of the phase function without its peak.
-    asymmetry: f32,
-    // Unit vector along the light, and the length of the columns, m.
+    padding_edge_v: f32,
+    // Unit vector along the light.
     along: vec3f,
-    length: f32,
+    padding_along: f32,
 }
 
 // Texture coordinates of a point.

@@ -1,8 +1,8 @@
 //! How pictures are drawn and written: what `nephos render` and `nephos sequence` share.
 
-use std::path::Path;
+use std::{path::Path, sync::LazyLock};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, builder::PossibleValue};
 
 use super::stopped;
 use crate::{
@@ -10,7 +10,7 @@ use crate::{
     export::{self, Notes, Picture},
     gpu::{Gpu, Timing},
     reference::Estimate,
-    render::{Frame, Quality, Renderer, SlabTable, Target, Transport},
+    render::{Frame, Quality, Renderer, Target, Transport},
     scene::Scene,
     tables,
 };
@@ -28,11 +28,8 @@ pub struct PictureOptions {
     #[arg(long, value_enum, default_value_t = QualityName::Final)]
     quality: QualityName,
     /// How light inside clouds is found.
-    #[arg(long, value_enum, default_value_t = TransportName::Moments)]
+    #[arg(long, value_enum, default_value_t = TransportName(Some(Transport::default())))]
     transport: TransportName,
-    /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
-    #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
-    slab_table: SlabTableName,
     /// Samples of each pixel, for `--transport path`: 96 where nothing else ends the picture.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
     pub(super) spp: Option<u32>,
@@ -63,34 +60,24 @@ enum QualityName {
     Final,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum TransportName {
-    /// A cloud that glows evenly and dims what is behind, as Max (1994): no shadows.
-    Emitter,
-    /// Single scattering only, and the light of the sky.
-    Single,
-    /// Also two octaves of it, as games and films do (Wrenninge 2013, Hillaire 2016).
-    Octaves,
-    /// Also multiple scattering, in closed form.
-    DeltaEddington,
-    /// Multiple scattering from tables of slabs, set of orders by set.
-    Slab,
-    /// One slab for all orders, at one level of the sun maps, as Kol (2013).
-    SlabKol,
-    /// A slab for each set, found by iteration, as Bouthors (2008): slow.
-    SlabBouthors,
-    /// Moments of the light in the cloud, solved for on a grid.
-    Moments,
-    /// Truth by Monte Carlo: slow, without bias, with noise that --spp lowers.
-    Path,
-}
+/// A model of light, or none for the path tracer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct TransportName(Option<Transport>);
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum SlabTableName {
-    /// Bouthors' functions, fitted.
-    Functions,
-    /// A table of their light itself.
-    Direct,
+impl ValueEnum for TransportName {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<TransportName>> =
+            LazyLock::new(|| Transport::all().map(Some).chain([None]).map(TransportName).collect());
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self.0 {
+            Some(transport) => PossibleValue::new(transport.name()).help(transport.about()),
+            None => PossibleValue::new("path")
+                .help("Truth by Monte Carlo: slow, without bias, with noise that --spp lowers"),
+        })
+    }
 }
 
 /// A number above zero.
@@ -131,7 +118,7 @@ pub(super) struct Drawn {
 impl Painter {
     /// Whether passes are timed and work is counted from now on.
     pub fn count(&mut self, on: bool) {
-        self.renderer.counting = on;
+        self.renderer.settings.counting = on;
         self.renderer.timing = on.then(|| Timing::new(&self.gpu));
     }
 }
@@ -177,26 +164,13 @@ impl PictureOptions {
 
     fn renderer(&self, gpu: &Gpu) -> Renderer {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-        renderer.quality = match self.quality {
+        renderer.settings.quality = match self.quality {
             QualityName::Draft => Quality::DRAFT,
             QualityName::Preview => Quality::PREVIEW,
             QualityName::Final => Quality::FINAL,
         };
-        renderer.transport = match self.transport {
-            TransportName::Emitter => Transport::Emitter,
-            TransportName::Single => Transport::Single,
-            TransportName::Octaves => Transport::Octaves,
-            TransportName::SlabKol => Transport::SlabKol,
-            TransportName::SlabBouthors => Transport::SlabBouthors,
-            TransportName::DeltaEddington => Transport::DeltaEddington,
-            TransportName::Slab => Transport::Slab,
-            // What is drawn beside a path traced picture has no clouds.
-            TransportName::Moments | TransportName::Path => Transport::Moments,
-        };
-        renderer.slab_table = match self.slab_table {
-            SlabTableName::Functions => SlabTable::Functions,
-            SlabTableName::Direct => SlabTable::Direct,
-        };
+        // What is drawn beside a path traced picture has no clouds.
+        renderer.settings.transport = self.transport.0.unwrap_or_default();
         renderer
     }
 
@@ -275,7 +249,7 @@ impl PictureOptions {
     }
 
     pub(super) fn traces_paths(&self) -> bool {
-        matches!(self.transport, TransportName::Path)
+        self.transport.0.is_none()
     }
 }
 

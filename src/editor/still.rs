@@ -153,7 +153,7 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
     let rays = still.rays_across();
     let frame = Frame::new(scene, still.size.map(|n| n * rays))?;
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
-    renderer.quality = still.quality;
+    renderer.settings.quality = still.quality;
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let is_exr = ending(&still.path) == "exr";
     if is_exr && still.layers {

@@ -35,8 +35,8 @@ impl Studio {
     /// look the same from any distance, as sprites must.
     pub fn new(gpu: &Gpu, rays: u32, air_before_clouds: bool) -> Self {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-        renderer.quality = Quality::FINAL;
-        renderer.aerial = air_before_clouds;
+        renderer.settings.quality = Quality::FINAL;
+        renderer.settings.aerial = air_before_clouds;
         Self { gpu: gpu.clone(), renderer, rays }
     }
 
@@ -69,9 +69,9 @@ impl Studio {
         let rays = self.rays_for([size; 2]);
         let frame = Frame::towards_sun(scene, center, extent, rays * size)?;
         // Opacity is the same in every model of transport: this is the least work.
-        let transport = std::mem::replace(&mut self.renderer.transport, Transport::Single);
+        let transport = std::mem::replace(&mut self.renderer.settings.transport, Transport::SINGLE);
         let picture = self.draw(&frame, rays, false);
-        self.renderer.transport = transport;
+        self.renderer.settings.transport = transport;
         Ok(picture?.pixels.iter().map(|pixel| 1.0 - pixel[3]).collect())
     }
 
@@ -83,10 +83,10 @@ impl Studio {
     /// not valid.
     pub fn shadows_of(&self, scene: &Scene, altitude: f64) -> Result<(DVec3, f64)> {
         let frame = Frame::towards_sun(scene, DVec3::ZERO, 1.0, 1)?;
-        let (low, high) = frame.scene.bounds().ok_or_else(|| {
+        let (low, high) = frame.bounds().ok_or_else(|| {
             Error::Argument("the scene has no cloud that is not hidden: nothing casts a shadow".to_owned())
         })?;
-        let at = |y: f64| -frame.to_sun * ((y - altitude) / frame.to_sun.y);
+        let at = |y: f64| -frame.sun.to_sun * ((y - altitude) / frame.sun.to_sun.y);
         let corners = [low, high].map(|corner| [at(low.y), at(high.y)].map(|shift| corner + shift));
         let [least, most] = [DVec3::min, DVec3::max].map(|pick| corners.into_iter().flatten().reduce(pick));
         let (least, most) = (least.unwrap_or_default(), most.unwrap_or_default());

@@ -1,6 +1,8 @@
 //! The graphics device and the small tools around it. No physics here.
 
 mod device;
+mod group;
+mod link;
 mod pack;
 mod readback;
 mod shader;
@@ -10,14 +12,16 @@ mod timing;
 pub use device::{AdapterSummary, Gpu, adapters, stop_flag};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
+pub(crate) use group::bind_group;
+#[cfg(test)]
+pub(crate) use link::entry_point;
+pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link, validate};
 pub(crate) use pack::{Pack, Place};
 pub use readback::{read_buffer, read_texture};
-#[cfg(test)]
-pub(crate) use shader::entry_point;
-pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
-pub(crate) use shader::{bind_group, draw_screen, screen_pipeline, shader_module};
-pub(crate) use texture::UNIFORM;
+pub use shader::ComputeProgram;
+pub(crate) use shader::{Shader, draw_screen, screen_pipeline};
 pub use texture::{
     TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
 };
+pub(crate) use texture::{UNIFORM, mip, view};
 pub use timing::{PassTime, Timing};

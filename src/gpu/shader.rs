@@ -1,87 +1,49 @@
-//! Linking WGSL: an entry point names the library modules it uses in header
-//! comments (`// @use density phase`), each module likewise; whole modules are
-//! concatenated once, dependencies first. Names are unique across the library,
-//! so nothing is renamed, and a line number in a driver's message can be found.
+//! Shaders compiled: modules, compute programs and pipelines over all of a target.
 
 use std::borrow::Cow;
 
-macro_rules! sources {
-    ($folder:literal: $($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../shaders/", $folder, $name, ".wgsl")))),*]
-    };
+use super::{
+    group::{bind_group, layouts},
+    link::{Role, entry_point, link},
+};
+
+/// A shader with its roles filled, and the layouts of its bind groups.
+pub(crate) struct Shader {
+    pub module: wgpu::ShaderModule,
+    pub groups: Vec<wgpu::BindGroupLayout>,
+    pub layout: wgpu::PipelineLayout,
+    /// Names of its overrides.
+    overrides: Vec<String>,
 }
 
-/// Every module of `shaders/lib`: name and source.
-pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "attenuation", "camera", "constants", "density", "eddington", "ellipsoid", "field", "harmonics", "light_box", "noise", "octaves", "path_random", "phase", "random", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "tonemap",
-);
+impl Shader {
+    /// The entry point called `name`.
+    pub fn new(device: &wgpu::Device, name: &str, roles: &[Role<'_>]) -> Self {
+        Self::from_text(device, name, entry_point(name, roles))
+    }
 
-/// Every entry point of `shaders`: name and source.
-pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "clouds", "compose", "ground_light", "mips", "moments_entering", "moments_medium", "moments_scatter", "moments_store", "moments_sweep", "multiple_scattering", "sky", "sky_light", "sky_view",
-    "path", "resolve", "sky_volume", "sun_maps", "sun_normals", "transmittance", "voxels",
-);
-
-/// The whole source of an entry point, or of any text with `// @use` lines.
-///
-/// # Panics
-/// Where a module that the text uses does not exist: a mistake in the shaders
-/// themselves, which a test finds for every entry point.
-pub fn link(source: &str) -> String {
-    let mut done = Vec::new();
-    let mut linked = String::new();
-    append(source, &mut done, &mut linked);
-    linked
-}
-
-fn append<'a>(source: &'a str, done: &mut Vec<&'a str>, linked: &mut String) {
-    for name in
-        source.lines().filter_map(|line| line.strip_prefix("// @use ")).flat_map(str::split_whitespace)
-    {
-        if !done.contains(&name) {
-            done.push(name);
-            append(module(name), done, linked);
+    fn from_text(device: &wgpu::Device, name: &str, mut linked: String) -> Self {
+        if has_slow_uniforms(device) {
+            linked = linked.replace("var<uniform>", "var<storage, read>");
         }
+        let groups = layouts(device, &linked);
+        let layouts: Vec<_> = groups.iter().map(Some).collect();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(name),
+            bind_group_layouts: &layouts,
+            immediate_size: 0,
+        });
+        let overrides = linked.lines().filter_map(|line| line.strip_prefix("override "));
+        let overrides = overrides.filter_map(|rest| Some(rest.split_once(':')?.0.to_owned())).collect();
+        let source = wgpu::ShaderSource::Wgsl(Cow::Owned(linked));
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
+        Self { module, groups, layout, overrides }
     }
-    linked.push_str(source);
-    linked.push('\n');
-}
 
-fn module(name: &str) -> &'static str {
-    let found = LIBRARY.iter().find(|(known, _)| *known == name);
-    found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader module `{name}` in shaders/lib"))
-}
-
-/// Parses and validates linked WGSL, without a device.
-///
-/// # Errors
-/// The parser's or validator's message, with the place in the linked text.
-pub fn validate(linked: &str) -> Result<wgpu::naga::Module, String> {
-    use wgpu::naga::{front::wgsl, valid};
-    let module = wgsl::parse_str(linked).map_err(|error| error.emit_to_string(linked))?;
-    valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
-        .validate(&module)
-        .map_err(|error| error.emit_to_string(linked))?;
-    Ok(module)
-}
-
-pub(crate) fn entry_point(name: &str) -> String {
-    let found = ENTRY_POINTS.iter().find(|(known, _)| *known == name);
-    link(found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader `{name}` in shaders")))
-}
-
-pub(crate) fn shader_module(device: &wgpu::Device, name: &str) -> wgpu::ShaderModule {
-    compile(device, name, entry_point(name))
-}
-
-fn compile(device: &wgpu::Device, name: &str, mut linked: String) -> wgpu::ShaderModule {
-    if has_slow_uniforms(device) {
-        linked = linked.replace("var<uniform>", "var<storage, read>");
+    /// Of `all`, the overrides that this shader has: a value for another one would be an error.
+    pub fn known<'a>(&self, all: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
+        all.iter().filter(|(name, _)| self.overrides.iter().any(|known| known == name)).copied().collect()
     }
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(name),
-        source: wgpu::ShaderSource::Wgsl(Cow::Owned(linked)),
-    })
 }
 
 /// Whether the driver compiles a shader again for every uniform buffer that it is given: Mesa's
@@ -97,33 +59,44 @@ fn has_slow_uniforms(device: &wgpu::Device) -> bool {
 /// 4 that are uniform.
 pub(super) const MOST_BUFFERS: u32 = 12;
 
-/// A compute shader with one bind group.
+/// A compute shader.
 pub struct ComputeProgram {
     pipeline: wgpu::ComputePipeline,
+    groups: Vec<wgpu::BindGroupLayout>,
     name: &'static str,
 }
 
 impl ComputeProgram {
     /// Compiles entry function `main` of the shader called `name`, with its overrides.
     pub fn new(device: &wgpu::Device, name: &'static str, overrides: &[(&str, f64)]) -> Self {
-        Self::from_module(device, name, &shader_module(device, name), overrides)
+        Self::with_roles(device, name, &[], overrides)
     }
 
-    /// The same from text that is not in [`ENTRY_POINTS`]: for tests of single functions.
-    pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
-        Self::from_module(device, name, &compile(device, name, link(source)), &[])
-    }
-
-    fn from_module(
+    /// The same of a shader that has roles.
+    pub fn with_roles(
         device: &wgpu::Device,
         name: &'static str,
-        module: &wgpu::ShaderModule,
+        roles: &[Role<'_>],
+        overrides: &[(&str, f64)],
+    ) -> Self {
+        Self::from_shader(device, name, Shader::new(device, name, roles), overrides)
+    }
+
+    /// The same from text that is not in [`super::ENTRY_POINTS`]: for tests of single functions.
+    pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
+        Self::from_shader(device, name, Shader::from_text(device, name, link(source, &[])), &[])
+    }
+
+    fn from_shader(
+        device: &wgpu::Device,
+        name: &'static str,
+        shader: Shader,
         overrides: &[(&str, f64)],
     ) -> Self {
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
-            layout: None,
-            module,
+            layout: Some(&shader.layout),
+            module: &shader.module,
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants: overrides,
@@ -131,60 +104,47 @@ impl ComputeProgram {
             },
             cache: None,
         });
-        Self { pipeline, name }
+        Self { pipeline, groups: shader.groups, name }
     }
 
     /// Records a dispatch into a pass that is open: dispatches of one pass follow one another,
-    /// each seeing what those before it wrote.
-    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, group: &wgpu::BindGroup, groups: [u32; 3]) {
+    /// each seeing what those before it wrote. `groups` are the program's bind groups from 0 on.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup], size: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        for (index, group) in (0..).zip(groups) {
+            pass.set_bind_group(index, *group, &[]);
+        }
+        pass.dispatch_workgroups(size[0], size[1], size[2]);
+    }
+
+    /// The layout of bind group `group`.
+    pub fn layout(&self, group: usize) -> &wgpu::BindGroupLayout {
+        &self.groups[group]
     }
 
     /// A bind group for this program's group 0: entry `i` goes to binding `i`.
-    /// Bindings that the shader does not use are left out with `None`.
     pub fn bind(
         &self,
         device: &wgpu::Device,
         resources: &[Option<wgpu::BindingResource<'_>>],
     ) -> wgpu::BindGroup {
-        bind_group(device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
+        bind_group(device, self.name, &self.groups[0], resources)
     }
 
-    /// Records a dispatch of `groups` workgroups.
+    /// Records a dispatch of `size` workgroups.
     pub fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        group: &wgpu::BindGroup,
-        groups: [u32; 3],
+        groups: &[&wgpu::BindGroup],
+        size: [u32; 3],
         timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(self.name),
             timestamp_writes: timestamps,
         });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, group, &[]);
-        pass.dispatch_workgroups(groups[0], groups[1], groups[2]);
+        self.record(&mut pass, groups, size);
     }
-}
-
-/// A bind group whose entry `i` goes to binding `i`.
-pub(crate) fn bind_group(
-    device: &wgpu::Device,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    resources: &[Option<wgpu::BindingResource<'_>>],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .iter()
-        .enumerate()
-        .filter_map(|(binding, resource)| {
-            Some(wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone()? })
-        })
-        .collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// The pipeline of the shader called `name` whose functions `vertex` and `fragment` draw one
@@ -195,11 +155,11 @@ pub(crate) fn screen_pipeline(
     overrides: &[(&str, f64)],
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let module = shader_module(device, name);
+    let Shader { module, layout, .. } = Shader::new(device, name, &[]);
     let options = || wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(name),
-        layout: None,
+        layout: Some(&layout),
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("vertex"),

@@ -38,6 +38,20 @@ pub fn texture(device: &wgpu::Device, desc: &TextureDesc<'_>) -> wgpu::Texture {
     })
 }
 
+/// A view of all of a texture.
+pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&Default::default())
+}
+
+/// A view of one mip level.
+pub(crate) fn mip(texture: &wgpu::Texture, level: u32) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        base_mip_level: level,
+        mip_level_count: Some(1),
+        ..Default::default()
+    })
+}
+
 /// An `Rgba16Float` texture with these texels, x fastest, then y, then z; `size` as in
 /// [`TextureDesc`]. There must be as many texels as the size takes.
 pub fn half_texture(

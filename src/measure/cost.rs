@@ -95,10 +95,10 @@ impl Stopwatch<'_> {
     ) -> Result<Cost> {
         way.set(renderer);
         let rays = draw::rays_across(&way.quality.1);
-        renderer.counting = true;
+        renderer.settings.counting = true;
         self.frame(renderer, scene, rays)?;
         let work = Work::new(&renderer.counts(self.gpu)?, self.size);
-        renderer.counting = false;
+        renderer.settings.counting = false;
         renderer.timing = Some(Timing::new(self.gpu));
         // Compiles what the counting variant did not.
         self.frame(renderer, scene, rays)?;

@@ -13,7 +13,7 @@ const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// A renderer of the light of clouds alone: path traced pictures have no air before them.
 pub fn renderer(gpu: &Gpu) -> Renderer {
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, HDR);
-    renderer.aerial = false;
+    renderer.settings.aerial = false;
     renderer
 }
 

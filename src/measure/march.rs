@@ -62,7 +62,7 @@ pub fn curve(
     model: (&'static str, Transport),
     progress: &mut dyn FnMut(),
 ) -> Result<Vec<MarchPoint>> {
-    renderer.transport = model.1;
+    renderer.settings.transport = model.1;
     let (picture, _) = drawn(gpu, renderer, scene, stepped(CONVERGED))?;
     progress();
     let error = vec![[0.0; 3]; picture.pixels.len()];
@@ -85,9 +85,9 @@ pub fn curve(
 pub const PICTURES: usize = 1 + SCALES.len() + Quality::PRESETS.len();
 
 fn drawn(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, quality: Quality) -> Result<(Picture, Work)> {
-    renderer.quality = quality;
-    renderer.counting = true;
+    renderer.settings.quality = quality;
+    renderer.settings.counting = true;
     let picture = draw::thin_rays(gpu, renderer, scene, SIZE);
-    renderer.counting = false;
+    renderer.settings.counting = false;
     Ok((picture?, Work::new(&renderer.counts(gpu)?, SIZE)))
 }

@@ -20,8 +20,8 @@ pub struct Way {
 impl Way {
     /// Makes `renderer` draw this way.
     pub fn set(&self, renderer: &mut Renderer) {
-        renderer.transport = self.model.1;
-        renderer.quality = self.quality.1;
+        renderer.settings.transport = self.model.1;
+        renderer.settings.quality = self.quality.1;
     }
 }
 
@@ -177,7 +177,7 @@ mod tests {
             psnr: 30.0,
             flip: 0.1,
         };
-        let way = Way { model: Transport::ALL[0], quality: Quality::PRESETS[0] };
+        let way = Way { model: Transport::entries()[0], quality: Quality::PRESETS[0] };
         let score = |set, bias, band| Score {
             scene: "a",
             set,

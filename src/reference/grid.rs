@@ -4,7 +4,7 @@
 
 use glam::{UVec3, Vec3};
 
-use crate::render::EllipsoidUniform;
+use crate::frame::medium::EllipsoidUniform;
 
 /// `Cell` of `shaders/path.wgsl`.
 #[repr(C)]

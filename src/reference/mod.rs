@@ -12,8 +12,12 @@ use glam::{UVec3, Vec3};
 
 use crate::{
     Error, Result,
+    frame::{
+        Frame,
+        medium::{ELLIPSOIDS, World},
+    },
     gpu::{self, ComputeProgram, Gpu},
-    render::{EllipsoidUniform, Frame, NoiseFrame, Sky, SkySettings, upload_noise},
+    render::Sky,
 };
 pub use estimate::Estimate;
 use estimate::Moments;
@@ -59,6 +63,7 @@ pub struct PathTracer {
     gpu: Gpu,
     program: ComputeProgram,
     group: wgpu::BindGroup,
+    medium: wgpu::BindGroup,
     uniform: SceneUniform,
     uniform_buffer: wgpu::Buffer,
     sums: wgpu::Buffer,
@@ -119,7 +124,7 @@ impl PathTracer {
     /// # Errors
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
-        let world = World::new(frame)?;
+        let world = World::new(frame);
         let grid = Grid::new(&world.ellipsoids, CELLS);
         let uniform = SceneUniform {
             low: grid.low,
@@ -128,10 +133,10 @@ impl PathTracer {
             samples: 0,
             camera: (frame.camera_position - world.origin).as_vec3(),
             seed: options.seed,
-            to_sun: frame.to_sun.as_vec3(),
-            sun_radius: (0.5 * frame.scene.sun.angular_diameter_deg.to_radians()) as f32,
-            sun_irradiance: Vec3::from(frame.scene.sun.irradiance.map(|x| x as f32)),
-            altitude: (world.origin.y - frame.scene.ground.altitude) as f32,
+            to_sun: frame.sun.to_sun.as_vec3(),
+            sun_radius: frame.sun.radius,
+            sun_irradiance: frame.sun.irradiance,
+            altitude: (world.origin.y - frame.ground) as f32,
             first: 0,
             rounds: ROUNDS[0],
             padding: [0; 2],
@@ -140,31 +145,24 @@ impl PathTracer {
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
-        let program = ComputeProgram::new(device, "path", &options.overrides(sky.has_atmosphere(), lanes));
+        let overrides = options.overrides(sky.has_atmosphere(), lanes);
+        let program = ComputeProgram::with_roles(device, "path", &[ELLIPSOIDS], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
         let sums = gpu::storage_buffer(device, "sums", &vec![[0.0f32; SUM_FLOATS]; threads]);
         let unfinished = gpu::storage_buffer(device, "unfinished", &[0u32]);
         let camera = gpu::uniform_buffer(device, "camera", &frame.camera);
-        let noise =
-            gpu::uniform_buffer(device, "noise frame", &NoiseFrame::new(&frame.scene.noise, world.origin));
         let buffers = [
-            gpu::storage_buffer(device, "ellipsoids", &world.ellipsoids),
-            gpu::storage_buffer(device, "media", &world.media),
             gpu::storage_buffer(device, "cells", &grid.cells),
             gpu::storage_buffer(device, "candidates", &grid.candidates),
-            gpu::storage_buffer(device, "phase tables", &world.tables),
+            gpu::storage_buffer(device, "phase tables", &phase_tables(&world)?),
             gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
         ];
-        let noise_volume =
-            upload_noise(device, &gpu.queue, frame.scene.noise.seed).create_view(&Default::default());
-        let (repeat, clamped) = (gpu::linear_repeat(device), gpu::linear_clamp(device));
+        let clamped = gpu::linear_clamp(device);
         let mut resources: Vec<_> =
-            [&uniform_buffer, &camera, &noise, sky.atmosphere()].map(|b| Some(b.as_entire_binding())).into();
+            [&uniform_buffer, &camera, sky.atmosphere()].map(|b| Some(b.as_entire_binding())).into();
         resources.extend(buffers.iter().chain([&sums, &unfinished]).map(|b| Some(b.as_entire_binding())));
         resources.extend([
-            Some(wgpu::BindingResource::TextureView(&noise_volume)),
-            Some(wgpu::BindingResource::Sampler(&repeat)),
             Some(wgpu::BindingResource::Sampler(&clamped)),
             Some(wgpu::BindingResource::TextureView(sky.transmittance())),
             Some(wgpu::BindingResource::TextureView(sky.sky_view())),
@@ -172,6 +170,7 @@ impl PathTracer {
         let group = program.bind(device, &resources);
         Ok(Self {
             gpu: gpu.clone(),
+            medium: world.bind(gpu, program.layout(1)),
             program,
             group,
             uniform,
@@ -233,7 +232,12 @@ impl PathTracer {
         let started = Instant::now();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.unfinished, 0, None);
-        self.program.dispatch(&mut encoder, &self.group, [groups.div_ceil(rows), rows, 1], None);
+        self.program.dispatch(
+            &mut encoder,
+            &[&self.group, &self.medium],
+            [groups.div_ceil(rows), rows, 1],
+            None,
+        );
         self.gpu.queue.submit([encoder.finish()]);
         let left: Vec<u32> = gpu::read_buffer(&self.gpu, &self.unfinished)?;
         let share = 1.0 - f64::from(left[0]) / f64::from(threads);
@@ -297,42 +301,21 @@ fn lanes(pixels: u32, gpu: &Gpu) -> u32 {
     1 << (threads / pixels.max(1)).clamp(1, 8).ilog2()
 }
 
-/// The tables of the frame's sky.
-/// The sky as clouds see it.
+/// The tables of the frame's sky as clouds see it.
 fn prepared_sky(gpu: &Gpu, frame: &Frame) -> Sky {
     let mut sky = Sky::new(&gpu.device);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    let settings = SkySettings::new(&frame.scene, frame.to_sun);
     let mut eye = frame.camera;
-    eye.altitude = settings.uniform.light_altitude;
-    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &settings, &eye, None);
+    eye.altitude = frame.sky.uniform.light_altitude;
+    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &frame.sky, &eye, None);
     gpu.queue.submit([encoder.finish()]);
     sky
 }
 
-/// All clouds of a frame in one frame of coordinates.
-struct World {
-    origin: glam::DVec3,
-    ellipsoids: Vec<EllipsoidUniform>,
-    /// For each ellipsoid, the place of its droplets in `tables`.
-    media: Vec<u32>,
-    tables: Vec<f32>,
-}
-
-impl World {
-    fn new(frame: &Frame) -> Result<Self> {
-        let (low, high) = frame.scene.bounds().unwrap_or_default();
-        let origin = 0.5 * (low + high);
-        let mut world = Self { origin, ellipsoids: Vec::new(), media: Vec::new(), tables: Vec::new() };
-        for (medium, cloud) in frame.scene.clouds.iter().enumerate() {
-            world.tables.extend(phase_table(&cloud.droplets)?);
-            for e in &cloud.ellipsoids {
-                world.ellipsoids.push(EllipsoidUniform::new(cloud, e, origin));
-                world.media.push(medium as u32);
-            }
-        }
-        Ok(world)
-    }
+/// Tables by species.
+fn phase_tables(world: &World) -> Result<Vec<f32>> {
+    let tables = world.species.iter().map(|species| phase_table(&species.droplets));
+    Ok(tables.collect::<Result<Vec<_>>>()?.concat())
 }
 
 #[cfg(test)]

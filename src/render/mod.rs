@@ -1,46 +1,31 @@
-//! The real-time renderer: one file a pass, with the same stem as its shader.
+//! The real-time renderer: `light` is what a cloud receives, `march` what is seen of it, `sky` what is
+//! behind, `picture` the ways to draw it all. What is there comes from [`crate::frame`].
 
-mod bricks;
-mod camera;
-mod clouds;
-mod compose;
-mod ellipsoids;
-mod frame;
-#[cfg(test)]
-mod layouts;
 mod light;
-mod light_box;
-mod light_plan;
-mod light_store;
-mod moments;
-mod noise;
-mod occluders;
-mod optics;
+mod march;
+mod medium;
+mod picture;
 mod quality;
-mod renderer;
-mod resolve;
+mod settings;
 mod sky;
-mod sky_background;
-mod sky_settings;
-pub mod slab_textures;
-mod stats;
-mod target;
-mod tiles;
-mod transport;
-mod voxels;
 
-pub use camera::CameraUniform;
-pub(crate) use ellipsoids::EllipsoidUniform;
-pub use frame::Frame;
-pub(crate) use noise::{NoiseFrame, upload as upload_noise};
-pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
+pub use light::{DirectTextures, FunctionTextures, Transport};
+#[cfg(test)]
+pub(crate) use light::{FieldUniform, LightBox, LightUniform};
+#[cfg(test)]
+pub(crate) use march::{
+    CloudUniform, Tile,
+    voxels::{BlockUniform, VoxelsUniform},
+};
+pub use march::{
+    Counts, Variant,
+    voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels},
+};
+#[cfg(test)]
+pub(crate) use picture::{ComposeUniform, ResolveUniform};
+pub use picture::{HeatMap, Layers, Pieces, Renderer, Resolve, SceneDepth, Shown, Target};
 pub use quality::Quality;
-pub use renderer::{Pieces, Renderer};
-pub use resolve::{HeatMap, Resolve, Shown};
+pub use settings::Settings;
 pub use sky::{Redone, Sky};
-pub use sky_settings::{AtmosphereUniform, SkySettings, SkyUniform};
-pub use slab_textures::SlabTable;
-pub use stats::Counts;
-pub use target::{Layers, SceneDepth, Target};
-pub use transport::Transport;
-pub use voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels};
+
+pub use crate::frame::Frame;

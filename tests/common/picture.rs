@@ -11,8 +11,8 @@ use super::gpu;
 /// A renderer on the device of the tests.
 pub fn renderer(quality: Quality, transport: Transport) -> Renderer {
     let mut renderer = Renderer::new(&gpu().device, &gpu().queue, wgpu::TextureFormat::Rgba16Float);
-    renderer.quality = quality;
-    renderer.transport = transport;
+    renderer.settings.quality = quality;
+    renderer.settings.transport = transport;
     renderer
 }
 

@@ -11,7 +11,7 @@ use crate::harness::{Input, Output, Random, Twin, Wide};
 use crate::pack::{grid, input, line, one, three, two, vector, xyz};
 
 const MAKE: &str = "fn make(x: array<vec4f, 8>) -> Ellipsoid {
-    return Ellipsoid(x[0], x[1], x[2], x[3].xyz, x[3].w, x[4].x, x[4].y, x[4].z, x[4].w);
+    return Ellipsoid(x[0], x[1], x[2], x[3].xyz, x[3].w, x[4].x, x[4].y, x[4].z, x[4].w, 3u, 0u, 0u, 0u);
 }";
 
 /// The map onto the unit sphere.
@@ -181,7 +181,7 @@ fn chord(x: &Wide) -> Output {
 /// One more ellipsoid over matter of extinction 0.01 at depth -3.
 fn matter(x: &Wide) -> Output {
     if xyz(x[5]).length() >= 1.0 {
-        return [0.01, -3.0, 7.0, f64::NAN];
+        return [0.01, -3.0, 7.0, 1.0];
     }
     // Half of what the edge is wider goes outwards.
     let width = f64::max(x[4][1], x[7][2]);
@@ -201,7 +201,8 @@ fn matter(x: &Wide) -> Output {
         false if extinction <= 0.01 => 7.0,
         _ => 0.0,
     };
-    [f64::max(0.01, extinction), d.max(-3.0), steady, f64::NAN]
+    let species = if extinction > 0.01 { 3.0 } else { 1.0 };
+    [f64::max(0.01, extinction), d.max(-3.0), steady, species]
 }
 
 pub fn twins() -> Vec<Twin> {
@@ -281,14 +282,25 @@ pub fn twins() -> Vec<Twin> {
         Twin::new(
             "matter_with",
             "density",
-            "let m = matter_with(Matter(0.01, -3.0, 7.0), make(x), x[5].xyz, x[7].xy, x[7].z);
-             return vec4f(m.extinction, m.depth, m.steady, 0.0);",
+            "let m = matter_with(Matter(0.01, -3.0, 7.0, 1u), make(x), x[5].xyz, x[7].xy, x[7].z);
+             return vec4f(m.extinction, m.depth, m.steady, f32(m.species));",
             matter,
         )
         .declaring(MAKE)
         .edges(edges(true, OFF_SURFACE))
         .over("within", within)
         .over("surface", surface),
+        Twin::new(
+            "light_ray_at",
+            "lighting",
+            "return vec4f(light_ray_at(LightRay(x[0].xyz, x[1].xyz, vec3f(0.0), Region(), Species()), x[0].w), 0.0);",
+            |x| three(xyz(x[0]) + x[0][3] * xyz(x[1])),
+        )
+        .over("all", |random| {
+            let t = random.log(1e-3, 1e6);
+            let origin = random.log(1e-3, 1e5) * random.direction();
+            input([vector(origin, t), vector(random.direction(), 0.0)])
+        }),
     ]
 }
 

@@ -63,9 +63,28 @@ fn slabs() -> Vec<Input> {
 
 pub fn twins() -> Vec<Twin> {
     let mut all = phases();
+    all.extend(species());
     all.extend(transmittances());
     all.extend(diffusion());
     all
+}
+
+/// A species whose truncated share and albedo are told, as 1 less what is told where that is small.
+const SPECIES: &str = "fn make(x: array<vec4f, 8>) -> Species {
+    return Species(x[0].x, 0.7, x[0].y, 1.0, vec4f(1.0));
+}";
+
+fn species() -> Vec<Twin> {
+    vec![
+        Twin::new("transported", "species", "return vec4f(transported(make(x)));", |x| one(1.0 - x[0][0]))
+            .declaring(SPECIES)
+            .over("all", |random| scalars([random.between(0.0, 0.99), 1.0])),
+        Twin::new("whole_albedo", "species", "return vec4f(whole_albedo(make(x)));", |x| {
+            one(1.0 - (1.0 - x[0][0]) * (1.0 - x[0][1]))
+        })
+        .declaring(SPECIES)
+        .over("all", |random| scalars([random.between(0.0, 0.99), random.between(0.0, 1.0)])),
+    ]
 }
 
 fn phases() -> Vec<Twin> {
@@ -89,7 +108,7 @@ fn phases() -> Vec<Twin> {
         Twin::new("asin_small", "phase", "return vec4f(asin_small(x[0].x));", |x| one(x[0][0].asin()))
             .edges(line(&[0.0, 1e-4, 0.1, 0.3, 0.6, 0.707]))
             .over("all", |random| scalars([random.log(1e-6, 0.707)])),
-        Twin::new("octave_phase", "octaves", "return vec4f(octave_phase(x[0].x, x[0].y));", |x| {
+        Twin::new("octave_phase", "octave", "return vec4f(octave_phase(x[0].x, x[0].y));", |x| {
             one(henyey_greenstein(x[0][0], x[0][1]))
         })
         .edges(plane(&[-0.5, 0.0, 0.3, 0.73], &[-1.0, -0.2, 0.0, 0.9, 1.0]))
@@ -100,7 +119,7 @@ fn phases() -> Vec<Twin> {
         }),
         Twin::new(
             "octave_phases",
-            "octaves",
+            "octave",
             "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);",
             |x| {
                 let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
@@ -139,7 +158,7 @@ fn transmittances() -> Vec<Twin> {
         .over("alike", alike),
         Twin::new(
             "octave_transmittances",
-            "octaves",
+            "octave",
             "return vec4f(octave_transmittances(x[0].x, x[0].y, x[0].z), 0.0, 0.0);",
             octave_transmittances,
         )

@@ -45,7 +45,7 @@ impl BenchMarch {
         let models = if self.models.is_empty() {
             usual_models()
         } else {
-            named(&Transport::ALL, &self.models, "--models")?
+            named(&Transport::entries(), &self.models, "--models")?
         };
         let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
         let bar = terminal::progress("marching");
@@ -62,8 +62,8 @@ pub(super) fn usual_curves(gpu: &Gpu, bar: &ProgressBar) -> Result<Vec<MarchPoin
 }
 
 fn usual_models() -> Vec<(&'static str, Transport)> {
-    let wanted = [Transport::Single, Transport::default()];
-    Transport::ALL.into_iter().filter(|(_, model)| wanted.contains(model)).collect()
+    let wanted = [Transport::SINGLE, Transport::default()];
+    Transport::entries().into_iter().filter(|(_, model)| wanted.contains(model)).collect()
 }
 
 fn curves(

@@ -95,7 +95,7 @@ impl BenchModels {
     }
 
     fn ways(&self) -> Result<Vec<Way>> {
-        let models = named(&Transport::ALL, &self.models, "--models")?;
+        let models = named(&Transport::entries(), &self.models, "--models")?;
         let qualities = named(&Quality::PRESETS, &self.qualities, "--qualities")?;
         let of = |model| qualities.iter().map(move |&quality| Way { model, quality });
         Ok(models.into_iter().flat_map(of).collect())
@@ -190,7 +190,7 @@ impl BenchModels {
         bar.set_length((timed.len() * ways.len()) as u64);
         let mut renderer = measure::draw::renderer(gpu);
         // Games and pictures have air.
-        renderer.aerial = true;
+        renderer.settings.aerial = true;
         let mut costs = Vec::new();
         for entry in timed {
             bar.set_message(entry.name);

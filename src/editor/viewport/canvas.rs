@@ -136,8 +136,8 @@ impl Canvas {
 
     /// Whether passes are timed and work is counted; makes pictures a little slower.
     pub fn measure(&mut self, on: bool) {
-        if self.renderer.counting != on {
-            self.renderer.counting = on;
+        if self.renderer.settings.counting != on {
+            self.renderer.settings.counting = on;
             self.renderer.timing = on.then(|| Timing::new(&self.gpu));
             self.statistics.counts = None;
             self.statistics.passes.clear();
@@ -285,8 +285,8 @@ impl Canvas {
             Stage::Final => Quality::FINAL,
         };
         let Quality { light_resolution, light_cells, .. } = self.light;
-        self.renderer.quality = Quality { light_resolution, light_cells, ..quality };
-        self.renderer.lights_at_once = self.lighting.count();
+        self.renderer.settings.quality = Quality { light_resolution, light_cells, ..quality };
+        self.renderer.settings.lights_at_once = self.lighting.count();
         subject.frame(size)
     }
 
@@ -414,7 +414,7 @@ impl Canvas {
     }
 
     fn read_statistics(&mut self) -> Result<()> {
-        if self.renderer.counting {
+        if self.renderer.settings.counting {
             self.statistics.counts = Some(self.renderer.counts(&self.gpu)?);
         }
         if let Some(timing) = &self.renderer.timing {

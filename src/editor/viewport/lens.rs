@@ -203,7 +203,7 @@ pub(super) mod tests {
     fn the_lens_agrees_with_the_renderers_camera() {
         for camera in cameras() {
             let lens = lens(&camera);
-            let uniform = crate::render::CameraUniform::new(&camera, 0.0, [1280, 720]);
+            let uniform = crate::frame::CameraUniform::new(&camera, 0.0, [1280, 720]);
             for (u, v) in [(0.1f32, 0.2f32), (0.5, 0.5), (0.9, 0.7)] {
                 let (origin, direction) = uniform.ray(glam::Vec2::new(u, v));
                 let at = DVec2::new(40.0 + 640.0 * f64::from(u), 30.0 + 360.0 * f64::from(v));

@@ -1,0 +1,65 @@
+// What the march tells a model of light about a ray, and what the model answers.
+// @use region species
+
+// The ray at hand.
+struct LightRay {
+    // In the cloud's frame, m, and unit vectors.
+    origin: vec3f,
+    direction: vec3f,
+    to_sun: vec3f,
+    // What of the medium it can meet, and what the cloud is made of.
+    region: Region,
+    species: Species,
+}
+
+// A piece of a ray that is lit at once. Optical depths are transport's, without the peak.
+struct LitPiece {
+    // Distance of its middle, weighted by what is seen, m.
+    t: f32,
+    // Optical depth to the sun where it begins and where it ends, and the part of each that is
+    // other clouds' shadow.
+    before: vec2f,
+    after: vec2f,
+    // Its own optical depth.
+    optical_depth: f32,
+    // What is seen of it, and of all that was before it.
+    seen: f32,
+    gathered: f32,
+}
+
+// A point of a ray at which diffuse light is found, for all that is seen around it.
+struct Node {
+    t: f32,
+    // Optical depth to the sun, and the part of it in the shadow of other clouds.
+    depth: vec2f,
+    seen: f32,
+}
+
+// What is seen of a ray.
+struct RaySeen {
+    // Opacity, without the peak.
+    opacity: f32,
+    // Full optical depth, peak included.
+    optical_depth: f32,
+    // Factor on all that was gathered, where the ray ended early.
+    share: f32,
+}
+
+// The lights outside: irradiance of the sun across its beam at the height of what is seen,
+// radiance of sky, horizon and ground.
+struct Lights {
+    sun: vec3f,
+    sky: vec3f,
+    horizon: vec3f,
+    ground: vec3f,
+}
+
+// Light of a ray, premultiplied by opacity.
+struct RayLight {
+    single: vec3f,
+    multiple: vec3f,
+}
+
+fn light_ray_at(ray: LightRay, t: f32) -> vec3f {
+    return ray.origin + t * ray.direction;
+}

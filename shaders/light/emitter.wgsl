@@ -1,0 +1,42 @@
+// Max's emitter (1994, after Sabella 1988): a cloud glows by itself and dims what is behind. An
+// opaque one has the radiance that is the mean over all directions of the light of sun, sky and
+// ground that falls on it. No shadows, no phase function.
+// @use constants flags lighting
+
+struct LightSum {
+    nothing: f32,
+}
+
+fn light_begin(ray: LightRay) -> LightSum {
+    return LightSum(0.0);
+}
+
+fn light_glare(ray: LightRay) -> f32 {
+    return 0.0;
+}
+
+fn light_truncates() -> bool {
+    return false;
+}
+
+fn light_reads_nodes() -> bool {
+    return false;
+}
+
+fn light_sun_depth(p: vec3f) -> vec2f {
+    return vec2f(0.0);
+}
+
+fn light_piece(sum: LightSum, piece: LitPiece) -> LightSum {
+    return sum;
+}
+
+fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
+    return sum;
+}
+
+fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
+    let mean = lights.sun / (4.0 * PI);
+    let emission = select(mean, mean + 0.5 * (lights.sky + lights.ground), SKY_LIGHT);
+    return RayLight(vec3f(0.0), whole_albedo(ray.species) * seen.opacity * emission);
+}

@@ -1,0 +1,8 @@
+// What a cloud and the lights outside have, for models of light; all else is compiled out.
+
+// Whether sky and ground give light.
+override SKY_LIGHT: bool = true;
+// Whether the phase function has a forward peak.
+override PEAK: bool = true;
+// Whether the particles absorb.
+override ABSORBING: bool = false;

@@ -1,0 +1,73 @@
+// Sunlight scattered once, from the volume of optical depth to the sun: what all models share that
+// have shadows.
+// @use attenuation counts flags light_box lighting phase
+
+// Where the light of a cloud was prepared.
+struct Light {
+    // Boxes of the sun's volume and maps, and of openness to sky and ground.
+    sun: LightBox,
+    sky: LightBox,
+    // Least corner of the box of the solved field, m, and 1 over its extent.
+    field_low: vec3f,
+    // Mean free path of transport in the densest core, m.
+    mean_free_path: f32,
+    field_scale: vec3f,
+    padding: f32,
+}
+
+@group(2) @binding(0) var<uniform> light: Light;
+@group(2) @binding(1) var linear: sampler;
+@group(2) @binding(2) var phase_table: texture_2d<f32>;
+@group(2) @binding(3) var sun_volume: texture_3d<f32>;
+
+// Phase functions from the sun into a ray, 1/sr: without the peak, and the peak's alone.
+struct SunPhase {
+    wide: vec3f,
+    peak: vec3f,
+}
+
+fn sun_phase(ray: LightRay) -> SunPhase {
+    let u = phase_coordinate(-ray.to_sun, -ray.direction);
+    return SunPhase(textureSampleLevel(phase_table, linear, vec2f(u, 0.25), 0.0).rgb,
+        textureSampleLevel(phase_table, linear, vec2f(u, 0.75), 0.0).rgb);
+}
+
+// Sunlight gathered along a ray, per unit of irradiance.
+struct SunSum {
+    // Scattered once, without the phase function.
+    single: f32,
+    // What other clouds let through to what is seen.
+    lit: f32,
+}
+
+fn sun_piece(sum: SunSum, piece: LitPiece) -> SunSum {
+    return SunSum(sum.single + piece.seen * sunlight_share(piece.optical_depth, piece.before.x, piece.after.x),
+        sum.lit + piece.seen * mean_transmittance(piece.before.y, piece.after.y));
+}
+
+// What a ray sees of sunlight scattered once, with the peak's recovered.
+fn sun_single(sum: SunSum, ray: LightRay, seen: RaySeen, irradiance: vec3f) -> vec3f {
+    let phase = sun_phase(ray);
+    var single = phase.wide * (sum.single * seen.share);
+    if PEAK {
+        single += phase.peak * recovered_peak(seen.optical_depth, ray.species.truncated) * (sum.lit * seen.share) / seen.opacity;
+    }
+    return single * irradiance;
+}
+
+// The role's parts that are the same wherever there are shadows.
+
+// Optical depth to the sun that transport sees, and the part of it in the shadow of other clouds.
+fn light_sun_depth(p: vec3f) -> vec2f {
+    count(MAP_READS, 1u);
+    return textureSampleLevel(sun_volume, linear, light_box_coordinate(light.sun, p), 0.0).rg;
+}
+
+// How much brighter than usual light is that comes straight from the sun's direction, 1/sr.
+fn light_glare(ray: LightRay) -> f32 {
+    return sun_phase(ray).peak.g;
+}
+
+fn light_truncates() -> bool {
+    return true;
+}

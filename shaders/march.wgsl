@@ -1,0 +1,205 @@
+// One cloud, marched: opacity, single scattering and multiple scattering in one go.
+// Quads cover the tiles that the cloud can touch; each tile lists what its rays can meet. The
+// medium cuts a ray into stretches: clear ones are jumped over, homogeneous ones are integrated in
+// closed form, the rest is sampled (`steps`). What is seen is gathered in pieces and lit (`gather`).
+// @use atmosphere camera counts random steps medium light
+
+// The cloud for this picture.
+struct Cloud {
+    // The camera's position in the cloud's frame, m.
+    camera: vec3f,
+    // A ray ends where less than this gets through.
+    opaque: f32,
+    to_sun: vec3f,
+    // Angular radius of the sun's disc, rad; 0 where the sky shows none.
+    sun_radius: f32,
+    // Sunlight above the atmosphere, across the beam.
+    sun_irradiance: vec3f,
+    // Farthest distance of the aerial perspective, m.
+    aerial_range: f32,
+    // Altitude of the cloud's base and top above the ground, m.
+    base: f32,
+    top: f32,
+    // First and longest step behind an edge, as a share of the boundary, and growth of the steps.
+    first_step: f32,
+    longest_step: f32,
+    growth: f32,
+    // What is seen of a ray and is lit at once.
+    lit_at_once: f32,
+    padding: vec2f,
+    // Distance of what the caller drew = x / (y + z depth) along the view axis.
+    scene_depth: vec4f,
+}
+
+struct Tile {
+    // Left, top, right, bottom, pixels.
+    area: vec4u,
+    // Where the tile's ellipsoids begin in `candidates`, and how many there are.
+    first: u32,
+    count: u32,
+    padding: vec2u,
+}
+
+override ATMOSPHERE: bool = true;
+// Whether the air between camera and cloud shows.
+override AERIAL: bool = true;
+override SCENE_DEPTH: bool = false;
+
+@group(0) @binding(0) var<uniform> camera: Camera;
+@group(0) @binding(1) var<uniform> cloud: Cloud;
+@group(0) @binding(2) var<storage, read> tiles: array<Tile>;
+@group(0) @binding(3) var<storage, read> candidates: array<u32>;
+@group(0) @binding(4) var<uniform> air: Atmosphere;
+@group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 14>;
+@group(0) @binding(6) var clamped: sampler;
+@group(0) @binding(7) var transmittance: texture_2d<f32>;
+@group(0) @binding(8) var sky_light: texture_2d<f32>;
+@group(0) @binding(9) var aerial: texture_3d<f32>;
+@group(0) @binding(10) var scene_depth: texture_depth_2d;
+
+fn store_counts() {
+    if COUNTING {
+        for (var i = 0u; i < COUNTERS; i++) {
+            let before = atomicAdd(&counters[2u * i], counts[i]);
+            if before + counts[i] < before {
+                atomicAdd(&counters[2u * i + 1u], 1u);
+            }
+        }
+    }
+}
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) first: u32,
+    @location(1) @interpolate(flat) count: u32,
+    // Sunlight that reaches the cloud's base and top; light of sky, horizon and ground.
+    @location(2) @interpolate(flat) sun_base: vec3f,
+    @location(3) @interpolate(flat) sun_top: vec3f,
+    @location(4) @interpolate(flat) sky: vec3f,
+    @location(5) @interpolate(flat) horizon: vec3f,
+    @location(6) @interpolate(flat) ground: vec3f,
+}
+
+fn sun_at(altitude: f32) -> vec3f {
+    if !ATMOSPHERE {
+        return cloud.sun_irradiance;
+    }
+    return cloud.sun_irradiance * sun_irradiance_at(air, transmittance, clamped, altitude, cloud.to_sun.y);
+}
+
+@vertex
+fn quad(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Varyings {
+    let tile = tiles[instance];
+    let corner = vec2u(vertex & 1u, vertex >> 1u);
+    let pixel = vec2f(select(tile.area.xy, tile.area.zw, corner == vec2u(1u)));
+    return Varyings(vec4f(pixel_ndc(camera, pixel), 0.0, 1.0), tile.first, tile.count,
+        sun_at(cloud.base), sun_at(cloud.top), light_of_sky(sky_light, LIGHT_ABOVE),
+        light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND));
+}
+
+// Distance along the ray of what the caller drew in this pixel.
+fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
+    if !SCENE_DEPTH {
+        return 1e29;
+    }
+    let depth = textureLoad(scene_depth, vec2u(pixel), 0);
+    let d = cloud.scene_depth;
+    let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
+    return axial / max(dot(ray.direction, normalize(camera.forward)), 1e-6);
+}
+
+// Whether the pixel in direction `d` shows any of the sun's disc, which is drawn no
+// smaller than a pixel. Its edge must be as dark as the rest.
+fn sees_sun_disc(d: vec3f) -> bool {
+    return cloud.sun_radius > 0.0 && length(d - cloud.to_sun) < max(cloud.sun_radius, camera.pixel) + camera.pixel;
+}
+
+// A pixel's light, premultiplied by opacity.
+struct Shade {
+    alpha: f32,
+    single: vec3f,
+    multiple: vec3f,
+    // Light scattered by the air between camera and cloud.
+    air: vec3f,
+    distance: f32,
+    normal: vec3f,
+}
+
+fn shade(v: Varyings) -> Shade {
+    count(RAYS, 1u);
+    let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
+    let ray = LightRay(cloud.camera + seen_from_camera.origin, seen_from_camera.direction, cloud.to_sun,
+        Region(v.first, v.count), medium_species(0u));
+    let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
+    // Before the sun a little transmittance is much light: look deeper there.
+    let opaque = cloud.opaque / (1.0 + 10.0 * light_glare(ray));
+    let m = march(ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
+    if m.transmittance >= 1.0 {
+        return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
+    }
+    count(HITS, 1u);
+    // A ray that is as good as opaque is: nothing gets through, and the little light that was not
+    // gathered is like what was.
+    let closed = m.transmittance < opaque;
+    let share = select(1.0, 1.0 / (1.0 - m.transmittance), closed);
+    let opacity = select(1.0 - m.transmittance, 1.0, closed);
+    let optical_depth = select(m.optical_depth, 1e4, closed);
+    // Light of the forward peak is not lost to a smooth background, but it is to the
+    // sun's disc: there, and only there, all that was scattered is gone.
+    let alpha = select(opacity, 1.0 - exp(-optical_depth), PEAK && sees_sun_disc(ray.direction));
+    let distance = m.distance * share / opacity;
+    let height = saturate(0.5 + m.height * share / (opacity * max(cloud.top - cloud.base, 1.0)));
+    let lights = Lights(mix(v.sun_base, v.sun_top, height), v.sky, v.horizon, v.ground);
+    let light = light_ray(m.light, ray, RaySeen(opacity, optical_depth, share), lights);
+    if !AERIAL {
+        return Shade(alpha, light.single, light.multiple, vec3f(0.0), distance, share * m.normal);
+    }
+    let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);
+    return Shade(alpha, light.single * air.a, light.multiple * air.a, alpha * cloud.sun_irradiance * air.rgb,
+        distance, share * m.normal);
+}
+
+// Largest value of a half float.
+const MOST: vec3f = vec3f(65504.0);
+
+// All light in one, for pictures and games.
+@fragment
+fn beauty(v: Varyings) -> @location(0) vec4f {
+    let s = shade(v);
+    store_counts();
+    return vec4f(min(s.single + s.multiple + s.air, MOST), s.alpha);
+}
+
+struct LightLayers {
+    @location(0) single: vec4f,
+    @location(1) multiple: vec4f,
+    @location(2) air: vec4f,
+    // Distance in kilometres, so that half floats hold it.
+    @location(3) distance: vec4f,
+}
+
+// The same light apart, for compositors.
+@fragment
+fn layers(v: Varyings) -> LightLayers {
+    let s = shade(v);
+    store_counts();
+    return LightLayers(vec4f(min(s.single, MOST), s.alpha), vec4f(min(s.multiple, MOST), s.alpha), vec4f(min(s.air, MOST), s.alpha),
+        vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
+}
+
+// Which way the cloud faces, for compositors.
+@fragment
+fn normals(v: Varyings) -> @location(0) vec4f {
+    let s = shade(v);
+    store_counts();
+    return vec4f(s.normal, s.alpha);
+}
+
+// Work of the pixel, for heat maps: steps, density evaluations, reads of maps. Alpha is 0
+// so that the clouds before and behind each other add up.
+@fragment
+fn cost(v: Varyings) -> @location(0) vec4f {
+    _ = shade(v);
+    store_counts();
+    return vec4f(f32(counts[STEPS]), f32(counts[DENSITY]), f32(counts[MAP_READS]), 0.0);
+}

@@ -1,0 +1,191 @@
+// The medium as a union of ellipsoids whose boundaries noise displaces. Extinction at a point is
+// that of the densest ellipsoid there, so that overlaps count once.
+//
+// Who asks knows a region that holds all there is at a place: entries of its `candidates`.
+// @use counts density noise region species
+
+@group(1) @binding(0) var<storage, read> ellipsoids: array<Ellipsoid>;
+@group(1) @binding(1) var<storage, read> species: array<Species>;
+@group(1) @binding(2) var<uniform> noise_frame: NoiseFrame;
+@group(1) @binding(3) var noise_volume: texture_3d<f32>;
+@group(1) @binding(4) var repeat: sampler;
+
+fn medium_species(index: u32) -> Species {
+    return species[index];
+}
+
+fn medium_noise(p: vec3f, footprint: f32) -> vec2f {
+    return noise_at(noise_volume, repeat, noise_frame, p, footprint);
+}
+
+// What is at a point of a region: noise finer than `footprint`, m, is left out, and edges are no
+// sharper than `blur`, m.
+fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
+    return union_at(region, p, medium_noise(p, footprint), blur);
+}
+
+// What is there on average over the noise.
+fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
+    return union_at(region, p, vec2f(0.0), blur);
+}
+
+fn union_at(region: Region, p: vec3f, noise: vec2f, blur: f32) -> Matter {
+    var matter = CLEAR;
+    for (var i = 0u; i < region.count; i++) {
+        let e = ellipsoids[candidates[region.first + i]];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+    }
+    return matter;
+}
+
+// The ellipsoids that a ray meets next: of the tile's that it has not left, the nearest ones that
+// there is room for. Before `near_end` along the ray there are no others. Those that the ray is in
+// are `holding` it; a point of the ray asks only them.
+const MOST_NEAR: u32 = 32u;
+var<private> near: array<u32, MOST_NEAR>;
+var<private> near_entry: array<f32, MOST_NEAR>;
+var<private> near_count: u32;
+var<private> near_end: f32;
+var<private> holding: array<u32, MOST_NEAR>;
+var<private> holding_count: u32;
+// Whether the ray is in more than there is room for: then all of the tile are asked.
+var<private> crowded: bool;
+
+// Lists the ellipsoids from `t` on.
+fn find_near(region: Region, origin: vec3f, direction: vec3f, t: f32) {
+    count(ELLIPSOIDS, region.count);
+    near_count = 0u;
+    near_end = 1e30;
+    var farthest = 0u;
+    for (var i = 0u; i < region.count; i++) {
+        let index = candidates[region.first + i];
+        let chord = ellipsoid_chord(ellipsoids[index], origin, direction, 1.0);
+        if chord.x < chord.y && chord.y > t {
+            var place = near_count;
+            if near_count == MOST_NEAR {
+                near_end = min(near_end, max(chord.x, near_entry[farthest]));
+                place = select(MOST_NEAR, farthest, chord.x < near_entry[farthest]);
+            }
+            if place < MOST_NEAR {
+                near[place] = index;
+                near_entry[place] = chord.x;
+                near_count = min(near_count + 1u, MOST_NEAR);
+            }
+            if near_count == MOST_NEAR {
+                farthest = farthest_near();
+            }
+        }
+    }
+    crowded = near_end <= t;
+}
+
+// The one of the list that the ray meets last.
+fn farthest_near() -> u32 {
+    var last = 0u;
+    for (var i = 1u; i < MOST_NEAR; i++) {
+        last = select(last, i, near_entry[i] > near_entry[last]);
+    }
+    return last;
+}
+
+// Where a ray begins that is followed by `medium_ahead`.
+fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
+    find_near(region, origin, direction, 0.0);
+}
+
+// What lies ahead of `t` on the ray.
+fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stretch {
+    if t >= near_end || crowded {
+        find_near(region, origin, direction, t);
+    }
+    var entry = 1e30;
+    var exit = 1e30;
+    var core_exit = 0.0;
+    var core = 0.0;
+    var core_species = 0u;
+    var densest = 0.0;
+    var boundary = 1e30;
+    holding_count = 0u;
+    let asked = select(near_count, region.count, crowded);
+    count(ELLIPSOIDS, asked);
+    for (var i = 0u; i < asked; i++) {
+        let index = listed(region, i);
+        let e = ellipsoids[index];
+        let outer = ellipsoid_chord(e, origin, direction, 1.0);
+        if outer.x < outer.y && outer.x > t {
+            entry = min(entry, outer.x);
+        } else if outer.y > t && outer.x <= t {
+            if !crowded {
+                holding[holding_count] = index;
+                holding_count += 1u;
+            }
+            exit = min(exit, outer.y);
+            densest = max(densest, e.extinction);
+            let inner = ellipsoid_chord(e, origin, direction, e.core);
+            if inner.x <= t && inner.y > t {
+                exit = min(exit, inner.y);
+                core_exit = select(core_exit, max(inner.y, select(0.0, core_exit, e.extinction == core)), e.extinction >= core);
+                core_species = select(core_species, e.species, e.extinction >= core);
+                core = max(core, e.extinction);
+            } else {
+                // Only boundaries that the ray is in need short steps, and no boundary is thicker than
+                // its ellipsoid: there the core is less than nothing.
+                let edges = max(1.0, e.displacement * noise_frame.frequency);
+                boundary = min(boundary, (e.displacement + e.rise) / (max(1.0, 1.0 - e.core) * edges));
+                exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
+            }
+        }
+    }
+    let inside = exit < 1e30;
+    // Beyond the end of the list there may be more.
+    entry = min(entry, select(near_end, 1e30, crowded));
+    if core > 0.0 && core >= densest {
+        return Stretch(min(core_exit, entry), true, core, boundary, core_species);
+    }
+    return Stretch(min(entry, exit), inside, 0.0, boundary, 0u);
+}
+
+// The `i`th ellipsoid of the list, or of the tile where it is crowded.
+fn listed(region: Region, i: u32) -> u32 {
+    if crowded {
+        return candidates[region.first + i];
+    }
+    return near[i];
+}
+
+// The union, at a point, of the ellipsoids that the ray is in.
+fn medium_on_ray(region: Region, p: vec3f, blur: f32) -> Matter {
+    let asked = select(holding_count, region.count, crowded);
+    count(DENSITY, 1u);
+    count(NOISE_READS, 2u);
+    count(ELLIPSOIDS, asked);
+    let noise = medium_noise(p, blur);
+    var matter = CLEAR;
+    for (var i = 0u; i < asked; i++) {
+        var index = 0u;
+        if crowded {
+            index = candidates[region.first + i];
+        } else {
+            index = holding[i];
+        }
+        let e = ellipsoids[index];
+        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+    }
+    return matter;
+}
+
+// Which way the cloud faces at a point, noise left out: away from where its ellipsoids
+// gather. Each weighs by how deep the point is in it, so that there is no seam where one
+// ends. Unit length on the surface of a lump, and less inside, down to none in its middle.
+fn medium_facing(region: Region, p: vec3f) -> vec3f {
+    var sum = vec3f(0.0);
+    var weights = 1e-6;
+    for (var i = 0u; i < region.count; i++) {
+        let e = ellipsoids[candidates[region.first + i]];
+        let u = ellipsoid_unit(e, p, 1.0);
+        let weight = max(1.0 - dot(u, u), 0.0);
+        sum += weight * dot(u, u) * ellipsoid_normal(e, u);
+        weights += weight;
+    }
+    return sum / weights;
+}

@@ -1,0 +1,89 @@
+//! Ellipsoids as the shaders see them.
+
+use glam::{DMat3, DVec3, Vec3, Vec4};
+
+use crate::scene::{Cloud, Ellipsoid};
+
+/// `Ellipsoid` of `shaders/lib/ellipsoid.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct EllipsoidUniform {
+    pub(crate) row_x: Vec4,
+    pub(crate) row_y: Vec4,
+    pub(crate) row_z: Vec4,
+    pub(crate) center: Vec3,
+    pub(crate) extinction: f32,
+    pub(crate) displacement: f32,
+    pub(crate) rise: f32,
+    pub(crate) wispiness: f32,
+    pub(crate) core: f32,
+    pub(crate) species: u32,
+    pub(crate) padding: [u32; 3],
+}
+
+/// Share of the boundary over which the density rises: at the sharpest, and more with
+/// wispiness. The rest is displacement by noise.
+const SHARPEST_RISE: f64 = 0.06;
+const WISPIEST_RISE: f64 = 0.4;
+
+impl EllipsoidUniform {
+    /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`.
+    pub fn new(cloud: &Cloud, ellipsoid: &Ellipsoid, origin: DVec3) -> Self {
+        let edge = cloud.edge_of(ellipsoid);
+        let share = SHARPEST_RISE + (WISPIEST_RISE - SHARPEST_RISE) * edge.wispiness;
+        let rise = edge.boundary * share;
+        let axes = DMat3::from_quat(ellipsoid.orientation);
+        let row = |axis: DVec3, radius: f64| (axis / radius).extend(1.0 / radius).as_vec4();
+        Self {
+            row_x: row(axes.x_axis, ellipsoid.radii.x),
+            row_y: row(axes.y_axis, ellipsoid.radii.y),
+            row_z: row(axes.z_axis, ellipsoid.radii.z),
+            center: (ellipsoid.center - origin).as_vec3(),
+            extinction: (cloud.droplets.extinction() * ellipsoid.density) as f32,
+            displacement: (edge.boundary - rise) as f32,
+            rise: rise.max(1e-3) as f32,
+            wispiness: edge.wispiness as f32,
+            core: (1.0 - edge.boundary / ellipsoid.radii.min_element()) as f32,
+            species: 0,
+            padding: [0; 3],
+        }
+    }
+
+    /// The same ellipsoid with its middle at `center`, m, made of species `species` of a table.
+    pub(crate) fn placed(self, center: DVec3, species: u32) -> Self {
+        Self { center: center.as_vec3(), species, ..self }
+    }
+
+    /// Half the extent of `axis . p`: along a unit vector, half the width in metres.
+    pub(crate) fn support(&self, axis: Vec3) -> f32 {
+        [self.row_x, self.row_y, self.row_z]
+            .map(|row| row.truncate().dot(axis) / (row.w * row.w))
+            .map(|half| half * half)
+            .iter()
+            .sum::<f32>()
+            .sqrt()
+    }
+
+    /// Half the extents along the axes of the frame, m.
+    pub(crate) fn half(&self) -> Vec3 {
+        Vec3::new(self.support(Vec3::X), self.support(Vec3::Y), self.support(Vec3::Z))
+    }
+
+    /// Least and greatest corner of the box around ellipsoids, m; of the unit cube where there are none.
+    pub(crate) fn bounds(ellipsoids: &[Self]) -> (Vec3, Vec3) {
+        ellipsoids
+            .iter()
+            .map(|e| (e.center - e.half(), e.center + e.half()))
+            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            .unwrap_or((Vec3::ZERO, Vec3::ONE))
+    }
+
+    /// Whether a ball may touch the ellipsoid: never wrongly no.
+    pub(crate) fn reaches(&self, center: Vec3, radius: f32) -> bool {
+        let q = center - self.center;
+        let rows = [self.row_x, self.row_y, self.row_z];
+        let unit = Vec3::from(rows.map(|row| row.truncate().dot(q)));
+        let steepest = rows.map(|row| row.w).into_iter().fold(0.0, f32::max);
+        q.abs().cmple(self.half() + radius).all() && unit.length() <= 1.0 + radius * steepest
+    }
+}

@@ -1,0 +1,102 @@
+//! What is there: shape, noise and particles of a cloud, in the cloud's own frame. Preview, light,
+//! truth and exports ask the same module of `shaders/medium`, so that they cannot drift apart.
+
+mod ellipsoids;
+mod noise;
+mod species;
+mod world;
+
+use std::hash::{DefaultHasher, Hasher};
+
+use glam::DVec3;
+
+pub(crate) use ellipsoids::EllipsoidUniform;
+pub(crate) use noise::{NoiseFrame, upload as upload_noise};
+pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
+pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
+pub(crate) use world::World;
+
+use crate::{
+    Result,
+    frame::Shared,
+    gpu,
+    gpu::Role,
+    scene::{self, Cloud},
+};
+
+/// Modules that fill the role of the medium.
+pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS];
+
+/// The medium as a union of ellipsoids.
+pub(crate) const ELLIPSOIDS: Role<'static> =
+    ("medium", include_str!("../../../shaders/medium/ellipsoids.wgsl"));
+
+/// What a cloud is made of.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Medium {
+    /// Differs where anything does, but for chance.
+    pub fingerprint: u64,
+    pub ellipsoids: Vec<EllipsoidUniform>,
+    /// Their middles, m from the origin of the cloud's frame.
+    centers: Vec<DVec3>,
+    pub noise: NoiseFrame,
+    /// Seed of the noise volume.
+    pub seed: u32,
+    pub species: Shared<Species>,
+}
+
+impl Medium {
+    /// What `cloud` is made of, in a frame whose origin is at `origin`.
+    ///
+    /// # Errors
+    /// Where its droplets have no phase function.
+    pub fn new(cloud: &Cloud, noise: &scene::Noise, origin: DVec3) -> Result<Self> {
+        let ellipsoids = cloud.ellipsoids.iter();
+        let mut medium = Self {
+            fingerprint: 0,
+            ellipsoids: ellipsoids.clone().map(|e| EllipsoidUniform::new(cloud, e, origin)).collect(),
+            centers: ellipsoids.map(|e| e.center - origin).collect(),
+            noise: NoiseFrame::new(noise, origin),
+            seed: noise.seed,
+            species: Species::of(&cloud.droplets)?,
+        };
+        let mut hasher = DefaultHasher::new();
+        hasher.write(bytemuck::cast_slice(&medium.ellipsoids));
+        hasher.write(bytemuck::bytes_of(&(medium.noise)));
+        hasher.write(bytemuck::bytes_of(&medium.species.uniform()));
+        hasher.write_u32(medium.seed);
+        medium.fingerprint = hasher.finish();
+        Ok(medium)
+    }
+
+    /// Its ellipsoids moved by `offset`, m, made of species `species` of a table.
+    pub fn moved(&self, offset: DVec3, species: u32) -> impl Iterator<Item = EllipsoidUniform> {
+        self.ellipsoids.iter().zip(&self.centers).map(move |(e, c)| e.placed(*c + offset, species))
+    }
+
+    /// Extinction of the densest ellipsoid, 1/m.
+    pub fn densest(&self) -> f32 {
+        self.ellipsoids.iter().fold(0.0, |most, e| e.extinction.max(most))
+    }
+}
+
+/// What shaders bind for a union of ellipsoids, in the order of `shaders/medium/ellipsoids.wgsl`.
+pub(crate) fn bind_ellipsoids(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    ellipsoids: &[EllipsoidUniform],
+    species: &[SpeciesUniform],
+    noise: &NoiseFrame,
+    noise_volume: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    let buffers = [
+        gpu::storage_buffer(device, "ellipsoids", ellipsoids),
+        gpu::storage_buffer(device, "species", species),
+        gpu::uniform_buffer(device, "noise frame", noise),
+    ];
+    let repeat = gpu::linear_repeat(device);
+    let mut resources: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_entire_binding())).collect();
+    resources.push(Some(wgpu::BindingResource::TextureView(noise_volume)));
+    resources.push(Some(wgpu::BindingResource::Sampler(&repeat)));
+    gpu::bind_group(device, "medium", layout, &resources)
+}

@@ -1,0 +1,208 @@
+//! A species: a kind of particles as the shaders take it, a few numbers and a table of the phase
+//! function split into its forward peak and the rest.
+
+use std::sync::{Mutex, PoisonError};
+
+use half::f16;
+
+use crate::{
+    Result,
+    frame::Shared,
+    gpu,
+    optics::{
+        peak::Chopped,
+        phase::{Phase, angle_at},
+        slab::{Medium, angles::legendre_series, moments},
+    },
+    scene::Droplets,
+};
+
+/// Texels of the phase table along the scattering angle; `phase_coordinate` of
+/// `shaders/lib/phase.wgsl` tells which angle each one holds.
+const ANGLES: usize = 1024;
+
+/// `Species` of `shaders/lib/species.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct SpeciesUniform {
+    pub(crate) truncated: f32,
+    pub(crate) asymmetry: f32,
+    pub(crate) albedo: f32,
+    pub(crate) similarity: f32,
+    pub(crate) degrees: [f32; 4],
+}
+
+/// The optics of particles. Absorption and the forward peak are taken out of the medium
+/// together: of the extinction k, the peak takes albedo * f * k, and what is left scatters
+/// less than it removes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Species {
+    /// What it is the optics of, however many of them there are.
+    pub droplets: Droplets,
+    /// Share of extinction in the forward peak that transport leaves out.
+    pub truncated: f32,
+    /// Asymmetry of the phase function without its peak, green.
+    pub asymmetry: f32,
+    /// Single-scattering albedo of the medium without the peak.
+    pub albedo: f32,
+    /// Two rows of RGB and one unused, per steradian: albedo times phase function of the
+    /// medium without peak, and the peak itself, normalised.
+    pub table: Vec<[f16; 4]>,
+    /// Optical depth in the medium of the slab table that is like one of this: what scatters
+    /// more sharply forward counts for less.
+    pub similarity: f32,
+    /// Legendre moments of the phase function over those of the slab table's, degree 0 to 3.
+    pub degrees: [f32; 4],
+    /// The remainder of small angles, [`moments::remainder`]: RGB and one unused, per steradian,
+    /// by rows of optical depth.
+    pub remainder: Vec<[f16; 4]>,
+    /// Legendre moments of the phase function without its peak, degree 0 to 3, green, and
+    /// the next one, which light that is solved for on a grid takes as going straight on.
+    pub chi: [f32; 4],
+    pub ahead: f32,
+    /// The same as `remainder` beyond such a grid: what went straight on there, too.
+    pub beyond: Vec<[f16; 4]>,
+}
+
+/// Texels of the remainder along the scattering angle and along the optical depth.
+const REMAINDER: [usize; 2] = [256, 48];
+
+/// How many moments of a phase function the remainder is made of: droplets without their peak
+/// have none to speak of after 64, and Henyey-Greenstein's are powers of g.
+fn degree(phase: &Phase) -> usize {
+    match phase {
+        Phase::HenyeyGreenstein { g } => (1e-3_f64.ln() / g.abs().max(0.1).ln()).clamp(8.0, 400.0) as usize,
+        Phase::Isotropic => 8,
+        Phase::Tabulated(_) => 64,
+    }
+}
+
+/// Legendre moments, degree 1 to 3, of the medium that the slab table is made of: green light
+/// in droplets of 6 um without their peak.
+const TABLE_MOMENTS: [f64; 3] = [0.733_771, 0.605_432, 0.383_264];
+
+/// Optics of clouds seen lately: making them takes some milliseconds, and a frame is made
+/// for each picture.
+static KNOWN: Mutex<Vec<(Droplets, Shared<Species>)>> = Mutex::new(Vec::new());
+const MOST_KNOWN: usize = 32;
+
+impl Species {
+    /// The optics of `droplets`, the same every time, however many of them there are.
+    pub fn of(droplets: &Droplets) -> Result<Shared<Self>> {
+        let droplets = &Droplets { concentration_per_cm3: 0.0, ..droplets.clone() };
+        let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, optics)) = known.iter().find(|(other, _)| other == droplets) {
+            return Ok(optics.clone());
+        }
+        let optics = Shared::new(Self::new(droplets)?);
+        known.truncate(MOST_KNOWN - 1);
+        known.insert(0, (droplets.clone(), optics.clone()));
+        Ok(optics)
+    }
+
+    fn new(droplets: &Droplets) -> Result<Self> {
+        let chopped = Chopped::new(Phase::of(droplets)?);
+        let truncated = droplets.albedo * chopped.f;
+        let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - truncated);
+        let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
+        let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
+            let texel = |i| {
+                [0, 1, 2, 1]
+                    .map(|channel| f16::from_f64(value(channel, angle_at((i as f64 + 0.5) / ANGLES as f64))))
+            };
+            (0..ANGLES).map(texel).collect()
+        };
+        let degree = degree(chopped.phase());
+        let media = [0, 1, 2].map(|channel| Medium::new(|theta| chopped.wide(channel, theta), degree));
+        let g = chopped.asymmetry[1];
+        let over_table = |l: usize| (media[1].chi[l] / TABLE_MOMENTS[l - 1]) as f32;
+        Ok(Self {
+            droplets: droplets.clone(),
+            similarity: ((1.0 - g) / (1.0 - TABLE_MOMENTS[0])) as f32,
+            degrees: [1.0, over_table(1), over_table(2), over_table(3)],
+            remainder: table(&media, moments::remainder_moments),
+            chi: [0, 1, 2, 3].map(|l| media[1].chi[l] as f32),
+            ahead: ahead(&media[1]) as f32,
+            beyond: table(&media, |medium, path| moments::moments_beyond(medium, ahead(&media[1]), path)),
+            truncated: truncated as f32,
+            asymmetry: chopped.asymmetry[1] as f32,
+            albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - truncated)) as f32,
+            table: [row(&wide), row(&peak)].concat(),
+        })
+    }
+
+    /// What shaders take of it beside tables.
+    pub fn uniform(&self) -> SpeciesUniform {
+        SpeciesUniform {
+            truncated: self.truncated,
+            asymmetry: self.asymmetry,
+            albedo: self.albedo,
+            similarity: self.similarity,
+            degrees: self.degrees,
+        }
+    }
+
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> SpeciesTextures {
+        let upload = |label, width: usize, texels: &[[f16; 4]]| {
+            let size = [width as u32, (texels.len() / width) as u32, 0];
+            gpu::half_texture(device, queue, label, size, texels).create_view(&Default::default())
+        };
+        SpeciesTextures {
+            phase: upload("phase table", ANGLES, &self.table),
+            remainder: upload("slab remainder", REMAINDER[0], &self.remainder),
+            beyond: upload("remainder beyond the grid", REMAINDER[0], &self.beyond),
+        }
+    }
+}
+
+/// The tables of a cloud's optics on a device.
+pub(crate) struct SpeciesTextures {
+    pub phase: wgpu::TextureView,
+    pub remainder: wgpu::TextureView,
+    pub beyond: wgpu::TextureView,
+}
+
+/// What of the extinction goes straight on when degrees 0 to 3 tell the phase function: the
+/// next moment (delta-M, Wiscombe 1977).
+fn ahead(medium: &Medium) -> f64 {
+    medium.chi[4].max(0.0)
+}
+
+/// A small-angle remainder of red, green and blue by rows of optical depth, whose places
+/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells, from its terms by degree.
+fn table(media: &[Medium; 3], terms: impl Fn(&Medium, f64) -> Vec<f64>) -> Vec<[f16; 4]> {
+    let [width, height] = REMAINDER;
+    let cosine: Vec<f64> = (0..width).map(|i| angle_at((i as f64 + 0.5) / width as f64).cos()).collect();
+    let mut texels = Vec::with_capacity(width * height);
+    for row in 0..height {
+        let coordinate = (row as f64 + 0.5) / height as f64;
+        let path = 4.0 * coordinate / (1.0 - coordinate);
+        let terms = media.each_ref().map(|medium| terms(medium, path));
+        texels.extend(cosine.iter().map(|cosine| {
+            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(legendre_series(&terms[channel], *cosine)))
+        }));
+    }
+    texels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_over_the_tables_are_those_of_its_own_medium() {
+        let optics = Species::new(&Droplets::default()).unwrap();
+        assert!(optics.degrees.iter().all(|ratio| (ratio - 1.0).abs() < 1e-5), "{:?}", optics.degrees);
+        assert!((optics.similarity - 1.0).abs() < 1e-4, "{}", optics.similarity);
+    }
+
+    #[test]
+    fn clouds_of_more_and_fewer_droplets_share_their_optics() {
+        let of = |concentration_per_cm3, albedo| {
+            let phase = crate::scene::Phase::Isotropic;
+            Species::of(&Droplets { concentration_per_cm3, albedo, phase, ..Droplets::default() }).unwrap()
+        };
+        assert!(of(1.0, 1.0).is(&of(400.0, 1.0)));
+        assert!(!of(1.0, 1.0).is(&of(1.0, 0.9)));
+    }
+}

@@ -1,0 +1,161 @@
+//! One moment of a scene as the GPU takes it: what the real-time renderer and the path tracer both
+//! stand on, and the only type between the artist's `Scene` and their passes.
+
+mod air;
+mod camera;
+pub(crate) mod medium;
+mod shared;
+
+use glam::{DVec3, Vec3};
+
+pub(crate) use air::AERIAL_REACH;
+pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
+pub use camera::CameraUniform;
+pub use medium::{MEDIA, NOISE_SIZE, bake_noise};
+
+use crate::{
+    Error, Result,
+    scene::{self, Scene},
+};
+use medium::Medium;
+pub(crate) use shared::Shared;
+
+/// A scene at one moment, seen by one camera, for one size of picture.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    pub(crate) camera: CameraUniform,
+    pub(crate) camera_position: DVec3,
+    pub(crate) sun: Sun,
+    pub(crate) sky: SkySettings,
+    /// Altitude of the ground, m.
+    pub(crate) ground: f64,
+    pub(crate) noise: scene::Noise,
+    pub(crate) clouds: Vec<CloudFrame>,
+}
+
+/// The sun above the atmosphere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sun {
+    pub to_sun: DVec3,
+    /// Across the beam.
+    pub irradiance: Vec3,
+    /// Angular radius of the disc, rad.
+    pub radius: f32,
+}
+
+/// A cloud in its own frame, whose origin is in the middle of it and whose axes are the
+/// world's. What is kept between frames lives here and does not notice the camera.
+#[derive(Debug, Clone)]
+pub(crate) struct CloudFrame {
+    /// Origin in the world, m.
+    pub origin: DVec3,
+    /// Half the extent along the world's axes, m.
+    pub half: DVec3,
+    pub medium: Shared<Medium>,
+}
+
+impl Frame {
+    /// `scene` at its own time, for a picture of `size` pixels.
+    ///
+    /// # Errors
+    /// Where a value of the scene is out of its range, or `size` has a zero.
+    pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
+        let mut moved = scene.at(scene.time)?;
+        let camera = moved.camera();
+        for cloud in &mut moved.clouds {
+            cloud.ellipsoids = cloud.visible().cloned().collect();
+        }
+        let sun = Sun {
+            to_sun: moved.sun.to_sun(),
+            irradiance: Vec3::from(moved.sun.irradiance.map(|x| x as f32)),
+            radius: (0.5 * moved.sun.angular_diameter_deg.to_radians()) as f32,
+        };
+        let frame = Self {
+            camera: CameraUniform::new(&camera, moved.ground.altitude, [1; 2]),
+            camera_position: camera.position,
+            sky: SkySettings::new(&moved, sun.to_sun),
+            sun,
+            ground: moved.ground.altitude,
+            clouds: clouds(&moved)?,
+            noise: moved.noise,
+        };
+        frame.seen_by(&camera, size)
+    }
+
+    /// The same moment seen by another camera, for a picture of `size` pixels. What is in the clouds
+    /// is shared.
+    ///
+    /// # Errors
+    /// Where `size` has a zero.
+    pub fn seen_by(&self, camera: &scene::Camera, size: [u32; 2]) -> Result<Self> {
+        if size.contains(&0) {
+            return Err(Error::Argument(format!(
+                "a picture of {} by {} pixels has none: both must be at least 1",
+                size[0], size[1]
+            )));
+        }
+        let camera_position = camera.position;
+        Ok(Self { camera: CameraUniform::new(camera, self.ground, size), camera_position, ..self.clone() })
+    }
+
+    /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
+    /// towards the sun: north on top, `size` pixels along an edge.
+    ///
+    /// # Errors
+    /// As [`Frame::new`], and where the sun does not stand above the horizon.
+    pub fn towards_sun(scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Self> {
+        let mut frame = Self::new(scene, [size; 2])?;
+        let to_sun = frame.sun.to_sun;
+        if to_sun.y <= 1e-3 {
+            return Err(Error::Argument(
+                "the sun does not stand above the horizon: it casts no shadows on the ground".to_owned(),
+            ));
+        }
+        frame.camera = CameraUniform::from_square(to_sun, extent, center.y - frame.ground, size);
+        frame.camera_position = center;
+        Ok(frame)
+    }
+
+    /// Width and height of the picture, pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.camera.size.map(|x| x as u32)
+    }
+
+    /// Least and greatest corner of the box around all clouds, m; `None` without clouds.
+    pub(crate) fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let boxes = self.clouds.iter().map(|cloud| (cloud.origin - cloud.half, cloud.origin + cloud.half));
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+}
+
+fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
+    let mut frames = Vec::new();
+    for cloud in &scene.clouds {
+        let Some((min, max)) = cloud.bounds() else { continue };
+        let origin = 0.5 * (min + max);
+        let medium = Shared::new(Medium::new(cloud, &scene.noise, origin)?);
+        frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium });
+    }
+    Ok(frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Preset;
+
+    #[test]
+    fn hidden_ellipsoids_and_clouds_are_left_out_but_the_camera_stays() {
+        let mut scene = Preset::Kol.scene(1);
+        scene.camera = None;
+        scene.clouds.push(scene.clouds[0].clone());
+        let all = Frame::new(&scene, [16, 9]).unwrap();
+        scene.clouds[0].hidden = true;
+        scene.clouds[1].ellipsoids[2].hidden = true;
+        let some = Frame::new(&scene, [16, 9]).unwrap();
+        let counts = |frame: &Frame| frame.clouds.iter().map(|c| c.medium.ellipsoids.len()).collect();
+        let (before, after): (Vec<_>, Vec<_>) = (counts(&all), counts(&some));
+        assert_eq!((before, after), (vec![8, 8], vec![7]));
+        assert_eq!(some.camera_position, all.camera_position);
+    }
+}

@@ -1,0 +1,103 @@
+//! The box around a cloud whose columns lie along the light: where its maps and volumes are.
+
+use glam::{Vec3, Vec3Swizzles};
+
+use crate::frame::medium::EllipsoidUniform;
+
+/// `LightBox` of `shaders/lib/light_box.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct LightBox {
+    pub(crate) corner: Vec3,
+    pub(crate) texel: f32,
+    pub(crate) row_u: Vec3,
+    pub(crate) length: f32,
+    pub(crate) row_v: Vec3,
+    padding_v: f32,
+    pub(crate) row_w: Vec3,
+    padding_w: f32,
+    pub(crate) edge_u: Vec3,
+    padding_edge_u: f32,
+    pub(crate) edge_v: Vec3,
+    padding_edge_v: f32,
+    pub(crate) along: Vec3,
+    padding_along: f32,
+}
+
+/// Rows of the map to metres across and along a box whose columns lean: two axes of the
+/// frame with the lean taken out, and the way along the light.
+#[derive(Clone, Copy)]
+struct Lean {
+    across: [Vec3; 2],
+    rows: [Vec3; 3],
+}
+
+impl Lean {
+    /// Slices across the axis that light crosses a box of this half-extent by fastest.
+    fn new(half: Vec3, along: Vec3) -> Self {
+        let ways =
+            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, half.dot(axis) / along.dot(axis).abs().max(1e-6)));
+        let (through, _) =
+            ways.into_iter().reduce(|a, b| if b.1 < a.1 { b } else { a }).unwrap_or((Vec3::Y, 0.0));
+        let across = [through.yzx(), through.zxy()];
+        let way = through / along.dot(through);
+        let rows = [across[0] - along.dot(across[0]) * way, across[1] - along.dot(across[1]) * way, way];
+        Self { across, rows }
+    }
+}
+
+impl LightBox {
+    /// The tightest box around `own` with columns along `along`, one texel of
+    /// `resolution` wider on each side, and those of `others` that shade it.
+    pub(super) fn new(
+        own: &[EllipsoidUniform],
+        others: &[EllipsoidUniform],
+        along: Vec3,
+        resolution: u32,
+    ) -> (Self, Vec<EllipsoidUniform>) {
+        let half =
+            [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| extent(own, axis)).map(|(low, high)| 0.5 * (high - low));
+        let Lean { across, rows } = Lean::new(half.into(), along);
+        let ranges = rows.map(|row| extent(own, row));
+        let shades = |e: &&EllipsoidUniform| {
+            let overlap = |i: usize| {
+                let (low, high) = extent(std::slice::from_ref(*e), rows[i]);
+                low < ranges[i].1 && high > ranges[i].0
+            };
+            // It may stand beside the cloud or before it, not behind.
+            overlap(0) && overlap(1) && extent(std::slice::from_ref(*e), rows[2]).0 < ranges[2].1
+        };
+        let shading: Vec<_> = others.iter().filter(shades).copied().collect();
+        let texels = [0, 1].map(|i| (ranges[i].1 - ranges[i].0) / (resolution - 2) as f32);
+        let margin = texels[0].max(texels[1]).min(ranges[2].1 - ranges[2].0);
+        let sizes = texels.map(|texel| texel * resolution as f32);
+        let (start, length) = (ranges[2].0 - 0.5 * margin, ranges[2].1 - ranges[2].0 + margin);
+        let corner =
+            (ranges[0].0 - texels[0]) * across[0] + (ranges[1].0 - texels[1]) * across[1] + start * along;
+        let light_box = Self {
+            corner,
+            texel: texels[0].max(texels[1]),
+            row_u: rows[0] / sizes[0],
+            length,
+            row_v: rows[1] / sizes[1],
+            row_w: rows[2] / length,
+            edge_u: sizes[0] * across[0],
+            edge_v: sizes[1] * across[1],
+            along,
+            ..bytemuck::Zeroable::zeroed()
+        };
+        (light_box, shading)
+    }
+
+    pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
+        let along = (self.length / self.texel).ceil() as u32;
+        [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
+    }
+}
+
+fn extent(ellipsoids: &[EllipsoidUniform], axis: Vec3) -> (f32, f32) {
+    ellipsoids.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), e| {
+        let (center, half) = (e.center.dot(axis), e.support(axis));
+        (low.min(center - half), high.max(center + half))
+    })
+}

@@ -1,0 +1,26 @@
+//! What the cloud receives: models of the light inside clouds, and what they read, which is prepared
+//! in each cloud's own frame and redone only when the sun, the shape or the noise changed.
+
+mod boxes;
+mod bricks;
+mod field;
+mod model;
+mod models;
+mod occluders;
+mod openness;
+mod plan;
+mod prepare;
+mod slab_tables;
+mod store;
+mod sun;
+
+#[cfg(test)]
+pub use boxes::LightBox;
+#[cfg(test)]
+pub use field::FieldUniform;
+pub use model::Transport;
+#[cfg(test)]
+pub use prepare::LightUniform;
+pub(super) use prepare::{Binding, CloudLight, Inputs};
+pub use slab_tables::{DirectTextures, FunctionTextures};
+pub(super) use store::LightStore;

@@ -1,0 +1,55 @@
+//! How open a cloud is to sky, horizon and ground.
+
+use std::collections::HashMap;
+
+use wgpu::TextureView;
+
+use super::{
+    bricks::Bricks,
+    prepare::Inputs,
+    sun::{BoxKey, volume},
+};
+use crate::{
+    gpu::{self, ComputeProgram},
+    render::medium::Media,
+};
+
+/// Optical depth up, down and aside in an upright box.
+pub(super) struct Openness {
+    pub volume: TextureView,
+}
+
+/// The programs by medium, compiled when first needed.
+#[derive(Default)]
+pub(super) struct OpennessPass(HashMap<&'static str, ComputeProgram>);
+
+impl OpennessPass {
+    pub fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &mut Media,
+        key: &BoxKey,
+    ) -> Openness {
+        let device = inputs.device;
+        let role = media.role(&key.medium);
+        let program = self
+            .0
+            .entry(role.1)
+            .or_insert_with(|| ComputeProgram::with_roles(device, "sky_volume", &[role], &[]));
+        let volume = gpu::view(&volume(device, "sky volume", key.voxels));
+        let bricks = Bricks::new(&key.light_box, &key.medium.ellipsoids, key.voxels);
+        let buffers = [
+            gpu::uniform_buffer(device, "light box", &key.light_box),
+            gpu::storage_buffer(device, "bricks", &bricks.lists),
+            gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
+        ];
+        let mut resources: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_entire_binding())).collect();
+        resources.push(Some(wgpu::BindingResource::TextureView(&volume)));
+        let group = program.bind(device, &resources);
+        let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
+        let groups = key.voxels.map(|n| n.div_ceil(4));
+        program.dispatch(encoder, &[&group, media.group(&key.medium)], groups, stamps);
+        Openness { volume }
+    }
+}

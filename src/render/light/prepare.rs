@@ -1,0 +1,241 @@
+//! The light of one cloud: what it is made for, what it holds, and how a model of light binds it.
+
+use glam::{DVec3, Vec3};
+use wgpu::{BindGroup, TextureView};
+
+use super::{
+    boxes::LightBox,
+    field::{Field, FieldKey, FieldPass},
+    model::{Needs, Parts, Transport},
+    occluders::Occluder,
+    openness::{Openness, OpennessPass},
+    plan::Detail,
+    sun::{BoxKey, SunKey, SunPass, SunVolume},
+};
+use crate::{
+    frame::{CloudFrame, SkySettings, medium::SpeciesTextures},
+    gpu::{self, Timing},
+    render::{medium::Media, sky::Sky},
+};
+
+/// What the passes share.
+pub(in crate::render) struct Inputs<'a> {
+    pub device: &'a wgpu::Device,
+    pub to_sun: DVec3,
+    pub needs: Needs,
+    pub lit_by_sky: bool,
+    pub sky: &'a Sky,
+    pub timing: Option<&'a Timing>,
+}
+
+/// What a cloud's light is made for; where that is the same, so is the light.
+#[derive(Clone, PartialEq)]
+pub(super) struct Wanted {
+    sun: Option<SunKey>,
+    openness: Option<BoxKey>,
+    /// Of light that is solved for; that of the sun depends on `sun`, too.
+    field: Option<FieldKey>,
+    sky_field: Option<(FieldKey, Option<SkySettings>)>,
+}
+
+impl Wanted {
+    /// Light for `cloud` in the shadow of `others`.
+    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, others: &[Occluder<'_>], detail: Detail) -> Self {
+        let medium = &cloud.medium;
+        let sky_resolution = (detail.resolution / 4).clamp(8, 32);
+        let field = |cells| FieldKey { medium: medium.clone(), cells };
+        let needs = inputs.needs;
+        let along = -inputs.to_sun.as_vec3();
+        Self {
+            sun: needs.sun.then(|| SunKey::new(medium, others, along, detail.resolution, needs.maps)),
+            openness: (needs.openness(inputs.lit_by_sky))
+                .then(|| BoxKey::new(medium, Vec3::NEG_Y, sky_resolution)),
+            field: needs.field.then(|| field(detail.cells)),
+            sky_field: (needs.field && inputs.lit_by_sky)
+                .then(|| (field((detail.cells / 2).max(8)), inputs.sky.settings())),
+        }
+    }
+}
+
+/// The prepared light of one cloud.
+pub(in crate::render) struct CloudLight {
+    pub(super) sun: Option<SunVolume>,
+    pub(super) openness: Option<Openness>,
+    pub(super) field: Option<Field>,
+    made_for: Wanted,
+    /// How a model binds it.
+    bound: Option<(Transport, BindGroup)>,
+}
+
+/// `Light` of `shaders/light/sunlight.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct LightUniform {
+    pub(crate) sun: LightBox,
+    pub(crate) sky: LightBox,
+    pub(crate) field_low: Vec3,
+    pub(crate) mean_free_path: f32,
+    pub(crate) field_scale: Vec3,
+    padding: f32,
+}
+
+impl CloudLight {
+    /// Memory of its textures, bytes.
+    pub fn bytes(&self) -> u64 {
+        let sun = self.sun.iter().flat_map(SunVolume::textures);
+        let openness = self.openness.iter().map(|openness| &openness.volume);
+        let field = self.field.iter().flat_map(|field| [&field.sun].into_iter().chain(&field.sky));
+        sun.chain(openness).chain(field).map(|view| bytes(view.texture())).sum()
+    }
+
+    /// Whether nothing that it depends on has changed.
+    pub(super) fn is(&self, wanted: &Wanted) -> bool {
+        self.made_for == *wanted
+    }
+
+    /// Whether it has all the parts, if of another moment.
+    pub(super) fn stands_in_for(&self, wanted: &Wanted) -> bool {
+        let parts = |w: &Wanted| {
+            let maps = w.sun.as_ref().map(|sun| sun.mapped);
+            (maps, w.openness.is_some(), w.field.is_some(), w.sky_field.is_some())
+        };
+        parts(&self.made_for) == parts(wanted)
+    }
+
+    /// How `transport` binds the light of `cloud`, made when first asked for.
+    pub fn group(&mut self, binding: &Binding<'_>, cloud: &CloudFrame) -> &BindGroup {
+        let known = self.bound.take().filter(|(transport, _)| *transport == binding.transport);
+        let bound = known.unwrap_or_else(|| (binding.transport, self.bind(binding, cloud)));
+        &self.bound.insert(bound).1
+    }
+
+    fn bind(&self, binding: &Binding<'_>, cloud: &CloudFrame) -> BindGroup {
+        let uniform = gpu::uniform_buffer(binding.device, "light", &self.uniform(cloud));
+        let parts =
+            Parts { light: self, species: binding.species, tables: binding.tables, dark: binding.dark };
+        let mut resources =
+            vec![Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::Sampler(binding.linear))];
+        for (place, view) in (binding.transport.0.textures)(&parts) {
+            let place = place as usize;
+            resources.resize(resources.len().max(place + 1), None);
+            resources[place] = Some(wgpu::BindingResource::TextureView(view));
+        }
+        gpu::bind_group(binding.device, "light", binding.layout, &resources)
+    }
+
+    fn uniform(&self, cloud: &CloudFrame) -> LightUniform {
+        let medium = &cloud.medium;
+        let sun = self.made_for.sun.as_ref().map(|key| key.of.light_box);
+        let sky = self.made_for.openness.as_ref().map(|key| key.light_box);
+        let (low, extent) = self
+            .field
+            .as_ref()
+            .map_or((Vec3::ZERO, Vec3::ONE), |field| (field.field_box.low, field.field_box.extent));
+        let densest = medium.densest().max(1e-6);
+        LightUniform {
+            sun: sun.or(sky).unwrap_or_else(bytemuck::Zeroable::zeroed),
+            sky: sky.or(sun).unwrap_or_else(bytemuck::Zeroable::zeroed),
+            field_low: low,
+            mean_free_path: 1.0 / (densest * (1.0 - medium.species.truncated)),
+            field_scale: extent.recip(),
+            padding: 0.0,
+        }
+    }
+}
+
+/// What a model binds beside the light of a cloud.
+pub(in crate::render) struct Binding<'a> {
+    pub device: &'a wgpu::Device,
+    pub transport: Transport,
+    pub layout: &'a wgpu::BindGroupLayout,
+    pub species: &'a SpeciesTextures,
+    pub tables: &'a [TextureView],
+    pub linear: &'a wgpu::Sampler,
+    pub dark: &'a TextureView,
+}
+
+/// The programs that prepare light, compiled when first needed.
+#[derive(Default)]
+pub(super) struct LightPass {
+    sun: SunPass,
+    openness: OpennessPass,
+    field: Option<FieldPass>,
+}
+
+impl LightPass {
+    /// The light of a cloud that is `wanted`, taken over from `before` where nothing it depends on
+    /// changed. Counts the volumes that were redone in `redone`.
+    pub fn prepare(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &mut Media,
+        wanted: Wanted,
+        before: Option<CloudLight>,
+        redone: &mut u32,
+    ) -> CloudLight {
+        let mut known = Known::of(before, &wanted);
+        let sun = wanted.sun.as_ref().map(|key| {
+            known.sun.take().unwrap_or_else(|| {
+                *redone += 1;
+                self.sun.make(encoder, inputs, media, key)
+            })
+        });
+        let openness = wanted.openness.as_ref().map(|key| {
+            known.openness.take().unwrap_or_else(|| {
+                *redone += 1;
+                self.openness.make(encoder, inputs, media, key)
+            })
+        });
+        let field = wanted.field.as_ref().zip(wanted.sun.as_ref()).zip(sun.as_ref());
+        let field = field.map(|((key, sun_key), sun)| {
+            let pass = self.field.get_or_insert_with(|| FieldPass::new(inputs.device));
+            let light = (&sun_key.of, &sun.volume);
+            let mut count = || *redone += 1;
+            let sky = wanted.sky_field.as_ref().map(|(key, _)| key);
+            pass.make(
+                encoder,
+                inputs,
+                media,
+                key,
+                sky,
+                light,
+                (known.field_of_sun, known.field_of_sky),
+                &mut count,
+            )
+        });
+        CloudLight { sun, openness, field, made_for: wanted, bound: None }
+    }
+}
+
+/// Parts of a cloud's light that need not be made again.
+#[derive(Default)]
+struct Known {
+    sun: Option<SunVolume>,
+    openness: Option<Openness>,
+    field_of_sun: Option<TextureView>,
+    field_of_sky: Option<TextureView>,
+}
+
+impl Known {
+    fn of(before: Option<CloudLight>, wanted: &Wanted) -> Self {
+        let Some(CloudLight { sun, openness, field, made_for, .. }) = before else { return Self::default() };
+        let same_sun = made_for.sun == wanted.sun;
+        let (field_of_sun, field_of_sky) = field.map(|field| (field.sun, field.sky)).unzip();
+        Self {
+            sun: sun.filter(|_| same_sun),
+            openness: openness.filter(|_| made_for.openness == wanted.openness),
+            field_of_sun: field_of_sun.filter(|_| same_sun && made_for.field == wanted.field),
+            field_of_sky: field_of_sky.flatten().filter(|_| made_for.sky_field == wanted.sky_field),
+        }
+    }
+}
+
+/// Memory of a texture of half floats, bytes; maps have mips.
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    let level =
+        |mip: u32| u64::from((texture.width() >> mip).max(1)) * u64::from((texture.height() >> mip).max(1));
+    (0..texture.mip_level_count())
+        .map(|mip| 8 * level(mip) * u64::from(texture.depth_or_array_layers()))
+        .sum()
+}

@@ -1,0 +1,139 @@
+//! The light of all clouds: made for those in the picture, kept between frames, and dropped where
+//! it would take more memory than a scene may have.
+
+use std::collections::HashMap;
+
+use super::{
+    occluders::{Occluder, occluders},
+    plan::{allowance, plan},
+    prepare::{CloudLight, Inputs, LightPass, Wanted},
+};
+use crate::{
+    frame::{CloudFrame, Frame},
+    render::{Quality, medium::Media},
+};
+
+/// Where a cloud is, exactly: light that was made for it is found again by this, whichever
+/// number the cloud has now.
+type Place = [u64; 3];
+
+fn place(cloud: &CloudFrame) -> Place {
+    cloud.origin.to_array().map(f64::to_bits)
+}
+
+/// Light of a cloud.
+struct Kept {
+    place: Place,
+    light: CloudLight,
+    /// Number of the picture that it was made for.
+    made: u64,
+}
+
+/// Light by cloud.
+#[derive(Default)]
+pub(in crate::render) struct LightStore {
+    pass: LightPass,
+    lights: Vec<Option<Kept>>,
+    /// Of clouds that are not in the picture.
+    away: Vec<Kept>,
+    pictures: u64,
+    /// How many volumes were made so far.
+    pub redone: u32,
+    /// Clouds of the last picture whose light is of another moment, or is yet to be made.
+    pub waiting: u32,
+}
+
+impl LightStore {
+    /// Light of cloud `index` of the frame that was prepared last; none where it is out of view.
+    pub fn get(&mut self, index: usize) -> Option<&mut CloudLight> {
+        self.lights.get_mut(index)?.as_mut().map(|kept| &mut kept.light)
+    }
+
+    /// Memory of all textures of light, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.lights.iter().flatten().chain(&self.away).map(|kept| kept.light.bytes()).sum()
+    }
+
+    /// Makes what the clouds `in_view` lack of light, for `most` clouds: those first that have none or
+    /// the oldest. `flush` may submit what is recorded so far, after each of them, and end it.
+    #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
+    pub fn prepare(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &mut Media,
+        frame: &Frame,
+        quality: &Quality,
+        in_view: &[bool],
+        most: u32,
+        flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
+    ) {
+        self.pictures += 1;
+        self.waiting = 0;
+        let (mut known, mut rest) = self.found(frame);
+        let details = plan(quality, &frame.clouds, in_view, &frame.camera, frame.camera_position);
+        let shading = occluders(&frame.clouds, -inputs.to_sun);
+        let mut order: Vec<_> = (0..frame.clouds.len()).collect();
+        order.sort_by_key(|&index| known[index].as_ref().map(|kept| kept.made));
+        self.lights.resize_with(frame.clouds.len(), || None);
+        let mut left = most;
+        for index in order {
+            let cloud = &frame.clouds[index];
+            let before = known[index].take();
+            let Some(detail) = details[index] else {
+                rest.extend(before);
+                continue;
+            };
+            let occluder = |&other: &u32| {
+                let other = &frame.clouds[other as usize];
+                Occluder { medium: &other.medium, offset: other.origin - cloud.origin }
+            };
+            let others: Vec<_> = shading[index].iter().map(occluder).collect();
+            let wanted = Wanted::new(inputs, cloud, &others, detail);
+            let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
+            self.lights[index] = if is_current || left == 0 {
+                self.waiting += u32::from(!is_current);
+                let place = place(cloud);
+                before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept { place, ..kept })
+            } else {
+                let before = before.map(|kept| kept.light);
+                let light = self.pass.prepare(encoder, inputs, media, wanted, before, &mut self.redone);
+                left = if flush(encoder) { left - 1 } else { 0 };
+                Some(Kept { place: place(cloud), light, made: self.pictures })
+            };
+        }
+        let seen = in_view.iter().filter(|seen| **seen).count();
+        self.keep(frame, rest, allowance(quality, seen));
+    }
+
+    /// What is kept for each cloud of `frame`, by where it is; a cloud that has moved is known by its
+    /// number. And the rest.
+    fn found(&mut self, frame: &Frame) -> (Vec<Option<Kept>>, Vec<Kept>) {
+        let lights = std::mem::take(&mut self.lights);
+        let numbers: Vec<_> = lights.iter().map(|light| light.as_ref().map(|kept| kept.place)).collect();
+        let mut known: HashMap<Place, Vec<Kept>> = HashMap::new();
+        for kept in lights.into_iter().flatten().chain(std::mem::take(&mut self.away)) {
+            known.entry(kept.place).or_default().push(kept);
+        }
+        let mut take = |place: &Place| known.get_mut(place).and_then(Vec::pop);
+        let mut found: Vec<_> = frame.clouds.iter().map(|cloud| take(&place(cloud))).collect();
+        for (kept, number) in found.iter_mut().zip(&numbers) {
+            if kept.is_none() {
+                *kept = number.as_ref().and_then(&mut take);
+            }
+        }
+        (found, known.into_values().flatten().collect())
+    }
+
+    /// Keeps light of clouds of the frame that are out of view, as long as all of it fits.
+    fn keep(&mut self, frame: &Frame, mut rest: Vec<Kept>, most: u64) {
+        let numbers: HashMap<_, _> = frame.clouds.iter().map(place).zip(0..).collect();
+        rest.retain(|kept| numbers.contains_key(&kept.place));
+        rest.sort_by_key(|kept| numbers[&kept.place]);
+        let mut total = self.bytes();
+        self.away.extend(rest.into_iter().take_while(|kept| {
+            total += kept.light.bytes();
+            total <= most
+        }));
+    }
+}

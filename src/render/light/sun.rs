@@ -1,0 +1,189 @@
+//! Sunlight through a cloud: the volume of optical depth to the sun, and the maps of the cloud as the
+//! sun sees it.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use wgpu::TextureView;
+
+use super::{boxes::LightBox, bricks::Bricks, occluders::Occluder, prepare::Inputs};
+use crate::{
+    frame::{
+        Shared,
+        medium::{EllipsoidUniform, Medium, Species, SpeciesUniform},
+    },
+    gpu::{self, ComputeProgram, TextureDesc},
+    render::medium::Media,
+};
+
+/// What a volume in a light box depends on.
+#[derive(Clone, PartialEq)]
+pub(super) struct BoxKey {
+    pub medium: Shared<Medium>,
+    pub light_box: LightBox,
+    pub voxels: [u32; 3],
+}
+
+impl BoxKey {
+    pub fn new(medium: &Shared<Medium>, along: Vec3, resolution: u32) -> Self {
+        let (light_box, _) = LightBox::new(&medium.ellipsoids, &[], along, resolution);
+        Self { medium: medium.clone(), voxels: light_box.voxels(resolution), light_box }
+    }
+}
+
+/// What the sun's volume and maps depend on.
+#[derive(Clone, PartialEq)]
+pub(super) struct SunKey {
+    pub of: BoxKey,
+    /// Whether anything reads the maps.
+    pub mapped: bool,
+    /// Ellipsoids of other clouds that shade this one, in its frame, and what those are made of.
+    shading: Vec<EllipsoidUniform>,
+    species: Vec<Shared<Species>>,
+}
+
+impl SunKey {
+    pub fn new(
+        medium: &Shared<Medium>,
+        others: &[Occluder<'_>],
+        along: Vec3,
+        resolution: u32,
+        mapped: bool,
+    ) -> Self {
+        let (all, mut species) = Occluder::ellipsoids(others);
+        let (light_box, shading) = LightBox::new(&medium.ellipsoids, &all, along, resolution);
+        if shading.is_empty() {
+            species.clear();
+        }
+        let voxels = light_box.voxels(resolution);
+        Self { of: BoxKey { medium: medium.clone(), light_box, voxels }, mapped, shading, species }
+    }
+}
+
+/// Optical depth to the sun, and its part in the shadow of other clouds, in a box along the light; maps
+/// of depths and normals.
+pub(super) struct SunVolume {
+    pub volume: TextureView,
+    pub maps: Option<[TextureView; 2]>,
+}
+
+impl SunVolume {
+    pub fn textures(&self) -> impl Iterator<Item = &TextureView> {
+        [&self.volume].into_iter().chain(self.maps.iter().flatten())
+    }
+}
+
+/// The programs, compiled when first needed.
+#[derive(Default)]
+pub(super) struct SunPass {
+    /// By medium, with maps or without, shaded by other clouds or not.
+    volumes: HashMap<(&'static str, bool, bool), ComputeProgram>,
+    maps: Option<MapsPass>,
+}
+
+impl SunPass {
+    pub fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &mut Media,
+        key: &SunKey,
+    ) -> SunVolume {
+        let device = inputs.device;
+        let BoxKey { medium, light_box, voxels } = &key.of;
+        let resolution = voxels[0];
+        let volume = gpu::view(&volume(device, "sun volume", *voxels));
+        let map_resolution = if key.mapped { resolution } else { 1 };
+        let depths = map(device, "sun depths", map_resolution);
+        let shaded = !key.shading.is_empty();
+        let role = media.role(medium);
+        let program = self.volumes.entry((role.1, key.mapped, shaded)).or_insert_with(|| {
+            let flag = |on: bool| f64::from(u8::from(on));
+            let overrides = [("MAPPED", flag(key.mapped)), ("SHADED", flag(shaded))];
+            ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
+        });
+        let bricks = Bricks::with_others(light_box, &medium.ellipsoids, &key.shading, *voxels);
+        let species: Vec<SpeciesUniform> = key.species.iter().map(|species| species.uniform()).collect();
+        let uniform = gpu::uniform_buffer(device, "light box", light_box);
+        let buffers = [
+            gpu::storage_buffer(device, "bricks", &bricks.lists),
+            gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
+            gpu::storage_buffer(device, "ellipsoids of other clouds", &key.shading),
+            gpu::storage_buffer(device, "species of other clouds", &species),
+        ];
+        let depths_0 = gpu::mip(&depths, 0);
+        let mut resources = vec![Some(uniform.as_entire_binding())];
+        resources.extend(buffers.iter().map(|buffer| Some(buffer.as_entire_binding())));
+        resources.extend([&volume, &depths_0].map(|view| Some(wgpu::BindingResource::TextureView(view))));
+        let group = program.bind(device, &resources);
+        let groups = resolution.div_ceil(8);
+        let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
+        program.dispatch(encoder, &[&group, media.group(medium)], [groups, groups, 1], stamps);
+        let maps = key.mapped.then(|| {
+            let pass = self.maps.get_or_insert_with(|| MapsPass::new(device));
+            pass.finish(encoder, inputs, &uniform, depths)
+        });
+        SunVolume { volume, maps }
+    }
+}
+
+/// Normals from depths, and the mips of both.
+struct MapsPass {
+    normals: ComputeProgram,
+    mips: ComputeProgram,
+}
+
+impl MapsPass {
+    fn new(device: &wgpu::Device) -> Self {
+        let program = |name| ComputeProgram::new(device, name, &[]);
+        Self { normals: program("sun_normals"), mips: program("mips") }
+    }
+
+    fn finish(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        light_box: &wgpu::Buffer,
+        depths: wgpu::Texture,
+    ) -> [TextureView; 2] {
+        let device = inputs.device;
+        let normals = map(device, "sun normals", depths.width());
+        let views = [&depths, &normals].map(|map| gpu::mip(map, 0));
+        let mut resources = vec![Some(light_box.as_entire_binding())];
+        resources.extend(views.iter().map(|view| Some(wgpu::BindingResource::TextureView(view))));
+        let group = self.normals.bind(device, &resources);
+        let groups = depths.width().div_ceil(8);
+        let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
+        self.normals.dispatch(encoder, &[&group], [groups, groups, 1], stamps);
+        for map in [&depths, &normals] {
+            self.fill_mips(encoder, inputs, map);
+        }
+        [gpu::view(&depths), gpu::view(&normals)]
+    }
+
+    fn fill_mips(&self, encoder: &mut wgpu::CommandEncoder, inputs: &Inputs<'_>, map: &wgpu::Texture) {
+        for mip in 1..map.mip_level_count() {
+            let views = [mip - 1, mip].map(|mip| gpu::mip(map, mip));
+            let resources = views.each_ref().map(|view| Some(wgpu::BindingResource::TextureView(view)));
+            let group = self.mips.bind(inputs.device, &resources);
+            let groups = (map.width() >> mip).max(1).div_ceil(8);
+            let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
+            self.mips.dispatch(encoder, &[&group], [groups, groups, 1], stamps);
+        }
+    }
+}
+
+/// A volume that shaders fill.
+pub(super) fn volume(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::STORAGE_BINDING;
+    gpu::texture(
+        device,
+        &TextureDesc { label, size, mips: 1, format: wgpu::TextureFormat::Rgba16Float, usage },
+    )
+}
+
+fn map(device: &wgpu::Device, label: &str, resolution: u32) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::STORAGE_BINDING;
+    let (size, mips) = ([resolution, resolution, 0], resolution.ilog2() + 1);
+    gpu::texture(device, &TextureDesc { label, size, mips, format: wgpu::TextureFormat::Rgba16Float, usage })
+}

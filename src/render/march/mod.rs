@@ -1,0 +1,391 @@
+//! What is seen: the pass that marches clouds, one draw a cloud, far ones first, over tiles that the
+//! cloud can touch.
+
+mod counts;
+mod tiles;
+pub(super) mod voxels;
+
+use std::{collections::HashMap, ops::Range};
+
+use glam::Vec3;
+use wgpu::{BindGroup, TextureView};
+
+pub(super) use counts::Counters;
+pub use counts::Counts;
+pub(super) use tiles::Cover;
+#[cfg(test)]
+pub(crate) use tiles::Tile;
+
+use super::{
+    SceneDepth, Settings, Transport,
+    light::{Binding, LightStore},
+    medium::Media,
+    sky::Sky,
+};
+use crate::{
+    frame::{
+        CameraUniform, CloudFrame, Frame, Shared,
+        medium::{Species, SpeciesTextures},
+    },
+    gpu::{self, Pack, Place, Role, Shader},
+};
+
+/// `Cloud` of `shaders/march.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct CloudUniform {
+    pub(crate) camera: Vec3,
+    pub(crate) opaque: f32,
+    pub(crate) to_sun: Vec3,
+    pub(crate) sun_radius: f32,
+    pub(crate) sun_irradiance: Vec3,
+    pub(crate) aerial_range: f32,
+    pub(crate) base: f32,
+    pub(crate) top: f32,
+    pub(crate) first_step: f32,
+    pub(crate) longest_step: f32,
+    pub(crate) growth: f32,
+    pub(crate) lit_at_once: f32,
+    padding: [f32; 2],
+    pub(crate) scene_depth: [f32; 4],
+}
+
+/// What the march is compiled for: what a scene does not use is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Variant {
+    /// The model of light.
+    pub transport: Transport,
+    /// The entry function.
+    pub entry: &'static str,
+    medium: Role<'static>,
+    counting: bool,
+    atmosphere: bool,
+    aerial: bool,
+    sky_light: bool,
+    scene_depth: bool,
+    peak: bool,
+    absorbing: bool,
+    light_nodes: u32,
+    max_steps: u32,
+}
+
+impl Variant {
+    /// What fills the shader's roles.
+    pub fn roles(&self) -> Vec<Role<'static>> {
+        [&[self.medium], self.transport.roles()].concat()
+    }
+
+    /// Flags and numbers.
+    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+        let flag = |on: bool| f64::from(u8::from(on));
+        [
+            ("COUNTING", flag(self.counting)),
+            ("ATMOSPHERE", flag(self.atmosphere)),
+            ("AERIAL", flag(self.aerial)),
+            ("SKY_LIGHT", flag(self.sky_light)),
+            ("SCENE_DEPTH", flag(self.scene_depth)),
+            ("NORMALS", flag(self.entry == "normals")),
+            ("PEAK", flag(self.peak)),
+            ("ABSORBING", flag(self.absorbing)),
+            ("LIGHT_NODES", f64::from(self.light_nodes)),
+            ("MAX_STEPS", f64::from(self.max_steps)),
+        ]
+    }
+}
+
+/// What every cloud of a picture binds.
+pub(super) struct View<'a> {
+    pub frame: &'a Frame,
+    pub settings: &'a Settings,
+    pub depth: Option<&'a SceneDepth<'a>>,
+    pub sky: &'a Sky,
+    pub counters: &'a Counters,
+    pub entry: &'static str,
+    pub format: wgpu::TextureFormat,
+}
+
+/// What the march knows of a cloud in one picture, in the buffer of all clouds.
+struct Packed {
+    uniform: Place,
+    tiles: Place,
+    candidates: Place,
+}
+
+/// A cloud ready to be drawn.
+pub(super) struct Draw {
+    variant: Variant,
+    /// The march's own, the medium's, and the light's where the model has any.
+    groups: Vec<BindGroup>,
+    pub tiles: u32,
+}
+
+/// Pipelines of the march, compiled when first needed.
+pub(super) struct March {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    shaders: HashMap<(&'static str, Transport), Shader>,
+    pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// Tables of models of light.
+    tables: HashMap<Transport, Vec<TextureView>>,
+    /// Of the species of clouds drawn lately.
+    species: Vec<(Shared<Species>, SpeciesTextures)>,
+    linear: wgpu::Sampler,
+    no_depth: TextureView,
+    dark: TextureView,
+}
+
+/// Most species that are kept; a scene may have more, which then wait for nothing but time.
+const MOST_SPECIES: usize = 32;
+/// Room for light nodes in the shader.
+const MOST_NODES: u32 = 8;
+
+impl March {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            shaders: HashMap::new(),
+            pipelines: HashMap::new(),
+            tables: HashMap::new(),
+            species: Vec::new(),
+            linear: gpu::linear_clamp(device),
+            no_depth: gpu::view(&gpu::texture(device, &NO_DEPTH)),
+            dark: gpu::view(&gpu::half_texture(device, queue, "dark", [1; 3], &[Default::default()])),
+        }
+    }
+
+    /// Compiles what is missing and binds those `clouds`, by number, that have light and tiles.
+    pub fn prepare(
+        &mut self,
+        shared: &View<'_>,
+        clouds: &[usize],
+        covers: &[Cover],
+        media: &mut Media,
+        lights: &mut LightStore,
+    ) -> Vec<Draw> {
+        let frame = shared.frame;
+        let seen: Vec<usize> = (clouds.iter().copied())
+            .filter(|&i| !covers[i].tiles.is_empty() && lights.get(i).is_some())
+            .collect();
+        if seen.is_empty() {
+            return Vec::new();
+        }
+        let mut pack = Pack::default();
+        let pack_cloud = |&i: &usize| Packed {
+            uniform: pack.add(&[uniform(shared, &frame.clouds[i])]),
+            tiles: pack.add(&covers[i].tiles),
+            candidates: pack.add(&covers[i].candidates),
+        };
+        let packed: Vec<_> = seen.iter().map(pack_cloud).collect();
+        let camera = frame.camera.jittered(shared.settings.quality.jitter);
+        let camera = gpu::uniform_buffer(&self.device, "camera", &camera);
+        let buffers = [&camera, &pack.buffer(&self.device, "clouds")];
+        let draw = |(&i, packed): (&usize, Packed)| {
+            self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, lights.get(i)?)
+        };
+        seen.iter().zip(packed).filter_map(draw).collect()
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "a cloud, where it is in the picture, and its light")]
+    fn draw_of(
+        &mut self,
+        shared: &View<'_>,
+        cloud: &CloudFrame,
+        buffers: [&wgpu::Buffer; 2],
+        packed: Packed,
+        cover: &Cover,
+        media: &mut Media,
+        light: &mut super::light::CloudLight,
+    ) -> Option<Draw> {
+        let role = media.role(&cloud.medium);
+        let variant = variant(shared, cloud, role);
+        let transport = variant.transport;
+        let (device, queue) = (&self.device, &self.queue);
+        let shader = self
+            .shaders
+            .entry((role.1, transport))
+            .or_insert_with(|| Shader::new(device, "march", &variant.roles()));
+        self.pipelines
+            .entry((variant, shared.format))
+            .or_insert_with(|| pipeline(device, shader, &variant, shared.format));
+        let own = self.own_group(shared, &self.shaders[&(role.1, transport)].groups[0], buffers, packed);
+        let mut groups = vec![own, media.group(&cloud.medium).clone()];
+        if let Some(layout) = self.shaders[&(role.1, transport)].groups.get(2) {
+            let tables = self.tables.entry(transport).or_insert_with(|| {
+                (transport.0.tables)(device, queue).expect("a test decodes all embedded tables")
+            });
+            let place = species_place(&mut self.species, &cloud.medium.species, device, queue);
+            let binding = Binding {
+                device,
+                transport,
+                layout,
+                species: &self.species[place].1,
+                tables,
+                linear: &self.linear,
+                dark: &self.dark,
+            };
+            groups.push(light.group(&binding, cloud).clone());
+        }
+        Some(Draw { variant, groups, tiles: cover.tiles.len() as u32 })
+    }
+
+    /// Group 0.
+    fn own_group(
+        &self,
+        shared: &View<'_>,
+        layout: &wgpu::BindGroupLayout,
+        [camera, clouds]: [&wgpu::Buffer; 2],
+        packed: Packed,
+    ) -> BindGroup {
+        let sky = shared.sky;
+        let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+        let resources = [
+            Some(camera.as_entire_binding()),
+            Some(packed.uniform.binding(clouds)),
+            Some(packed.tiles.binding(clouds)),
+            Some(packed.candidates.binding(clouds)),
+            Some(sky.atmosphere().as_entire_binding()),
+            Some(shared.counters.buffer().as_entire_binding()),
+            Some(wgpu::BindingResource::Sampler(&self.linear)),
+            texture(sky.transmittance()),
+            texture(sky.sky_light()),
+            texture(sky.aerial()),
+            texture(shared.depth.map_or(&self.no_depth, |depth| depth.view)),
+        ];
+        gpu::bind_group(&self.device, "march", layout, &resources)
+    }
+
+    /// What has been compiled so far.
+    pub fn variants(&self) -> impl Iterator<Item = &Variant> {
+        self.pipelines.keys().map(|(variant, _)| variant)
+    }
+
+    /// Records one piece of a draw.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        format: wgpu::TextureFormat,
+        draw: &Draw,
+        tiles: Range<u32>,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { return };
+        pass.set_pipeline(pipeline);
+        for (index, group) in (0..).zip(&draw.groups) {
+            pass.set_bind_group(index, group, &[]);
+        }
+        pass.draw(0..4, tiles);
+    }
+}
+
+/// Stands in where the caller drew nothing; the shader doesn't read it.
+const NO_DEPTH: gpu::TextureDesc<'static> = gpu::TextureDesc {
+    label: "no depth",
+    size: [1, 1, 0],
+    mips: 1,
+    format: wgpu::TextureFormat::Depth32Float,
+    usage: wgpu::TextureUsages::empty(),
+};
+
+/// Where the tables of a species are on the device, uploaded when first needed.
+fn species_place(
+    kept: &mut Vec<(Shared<Species>, SpeciesTextures)>,
+    species: &Shared<Species>,
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+) -> usize {
+    kept.iter().position(|(known, _)| known.is(species)).unwrap_or_else(|| {
+        kept.truncate(MOST_SPECIES - 1);
+        kept.insert(0, (species.clone(), species.upload(device, queue)));
+        0
+    })
+}
+
+fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'static>) -> Variant {
+    let settings = shared.settings;
+    let species = &cloud.medium.species;
+    // Which way a cloud faces has nothing to do with light.
+    let lit = shared.entry != "normals";
+    let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
+    Variant {
+        transport: settings.transport,
+        entry: shared.entry,
+        medium,
+        counting: settings.counting || shared.entry == "cost",
+        atmosphere: shared.sky.has_atmosphere(),
+        aerial: shared.sky.has_atmosphere() && settings.aerial,
+        sky_light: lit && shared.sky.lights(),
+        scene_depth: shared.depth.is_some(),
+        peak: lit && has_peak,
+        absorbing: species.albedo < 1.0,
+        light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),
+        max_steps: settings.quality.max_steps,
+    }
+}
+
+fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
+    let (frame, quality) = (shared.frame, &shared.settings.quality);
+    CloudUniform {
+        camera: (frame.camera_position - cloud.origin).as_vec3(),
+        opaque: quality.opaque,
+        to_sun: frame.sun.to_sun.as_vec3(),
+        sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
+            0.0
+        } else {
+            // A point is drawn as a disc too: it must not read as none.
+            frame.sun.radius.max(1e-6)
+        },
+        sun_irradiance: frame.sun.irradiance,
+        aerial_range: shared.sky.aerial_range(),
+        base: (cloud.origin.y - cloud.half.y - frame.ground) as f32,
+        top: (cloud.origin.y + cloud.half.y - frame.ground) as f32,
+        first_step: quality.first_step,
+        longest_step: quality.longest_step,
+        growth: quality.growth,
+        lit_at_once: quality.lit_at_once,
+        padding: [0.0; 2],
+        scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
+    }
+}
+
+fn pipeline(
+    device: &wgpu::Device,
+    shader: &Shader,
+    variant: &Variant,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let overrides = shader.known(&variant.overrides());
+    let options = || wgpu::PipelineCompilationOptions {
+        constants: &overrides,
+        zero_initialize_workgroup_memory: false,
+    };
+    let target = Some(wgpu::ColorTargetState {
+        format,
+        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+        write_mask: wgpu::ColorWrites::ALL,
+    });
+    let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("clouds"),
+        layout: Some(&shader.layout),
+        vertex: wgpu::VertexState {
+            module: &shader.module,
+            entry_point: Some("quad"),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader.module,
+            entry_point: Some(variant.entry),
+            compilation_options: options(),
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

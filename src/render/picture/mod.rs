@@ -1,0 +1,311 @@
+//! The renderer: keeps what outlives a frame, and records a frame's passes.
+
+mod compose;
+mod pieces;
+mod resolve;
+mod target;
+
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
+use super::{
+    Counts, Settings,
+    light::{Inputs, LightStore},
+    march::{Counters, Cover, Draw, March, Variant, View},
+    medium::Media,
+    sky::Sky,
+};
+use crate::{
+    Result,
+    frame::{CloudFrame, Frame},
+    gpu::{self, Gpu, TextureDesc, Timing, view},
+    scene::Tone,
+};
+use compose::Compose;
+#[cfg(test)]
+pub(crate) use compose::ComposeUniform;
+pub use pieces::Pieces;
+#[cfg(test)]
+pub(crate) use resolve::ResolveUniform;
+pub use resolve::{HeatMap, Resolve, Shown};
+pub use target::{Layers, SceneDepth, Target};
+
+/// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
+/// clouds, and redoes only what a frame changed.
+pub struct Renderer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    format: wgpu::TextureFormat,
+    /// How it draws.
+    pub settings: Settings,
+    /// Times the passes where the adapter can.
+    pub timing: Option<Timing>,
+    media: Media,
+    lights: LightStore,
+    covers: Vec<Cover>,
+    redone: u32,
+    sky: Sky,
+    march: March,
+    compose: Option<(wgpu::TextureFormat, Compose)>,
+    counters: Counters,
+}
+
+/// May submit what was recorded so far; says whether to go on.
+type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
+
+const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+impl Renderer {
+    /// A renderer into textures of `format`, which should hold linear light:
+    /// `Rgba16Float` unless there is a reason.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            format,
+            settings: Settings::default(),
+            timing: None,
+            media: Media::new(device, queue),
+            lights: LightStore::default(),
+            covers: Vec::new(),
+            redone: 0,
+            sky: Sky::new(device),
+            march: March::new(device, queue),
+            compose: None,
+            counters: Counters::new(device),
+        }
+    }
+
+    /// Records the passes that draw `frame` into `target`. One frame a submission: the
+    /// uniforms of a second one would reach the first. Submit the encoder: what it makes for
+    /// later frames counts as made.
+    pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
+        let mut pieces = self.begin_pieces(encoder, frame, target);
+        self.draw_pieces(encoder, &mut pieces, u32::MAX);
+    }
+
+    /// Records the light of the clouds of `frame` alone, of [`Settings::lights_at_once`] at most: a
+    /// picture that follows finds it made.
+    pub fn prepare_light(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        self.prepare(encoder, frame, &mut |_| true);
+    }
+
+    /// Records the sky alone, over all of `color`: for callers that draw geometry between
+    /// sky and clouds. Then give [`Renderer::render`] a target whose `sky` is false.
+    pub fn render_sky(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        color: &wgpu::TextureView,
+    ) {
+        self.prepare_sky(encoder, frame);
+        self.sky.draw(&self.device, encoder, color, self.format, self.timing.as_ref());
+    }
+
+    /// Does the same as [`Renderer::render`] in pieces, each submitted and finished by itself, so that slow
+    /// adapters do not run into their driver's time limit; tells the share done.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_in_pieces(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        target: &Target<'_>,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let mut encoder = self.encoder();
+        let pieces = self.begin(&mut encoder, frame, target, &mut |encoder| submit(gpu, encoder));
+        self.draw_all(gpu, encoder, pieces, progress)
+    }
+
+    /// Draws the light of `frame` apart, in pieces.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_layers(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Layers> {
+        let mut encoder = self.encoder();
+        let (layers, pieces) = self.begin_apart(&mut encoder, frame, &mut |encoder| submit(gpu, encoder));
+        self.draw_all(gpu, encoder, pieces, progress)?;
+        Ok(layers)
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.device.create_command_encoder(&Default::default())
+    }
+
+    fn end(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(timing) = &self.timing {
+            timing.resolve(encoder);
+        }
+    }
+
+    /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
+    pub fn compose(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        picture: &wgpu::TextureView,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+        tone: Tone,
+    ) {
+        if self.compose.as_ref().is_none_or(|(known, _)| *known != format) {
+            self.compose = Some((format, Compose::new(&self.device, format)));
+        }
+        if let Some((_, compose)) = &self.compose {
+            compose.draw(&self.device, encoder, picture, target, tone);
+        }
+    }
+
+    /// A texture that can be drawn into, sampled and read back.
+    pub fn picture(
+        &self,
+        label: &str,
+        [width, height]: [u32; 2],
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        gpu::texture(&self.device, &TextureDesc { label, size: [width, height, 0], mips: 1, format, usage })
+    }
+
+    /// Work of the last frame that was drawn while `counting` was on.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn counts(&self, gpu: &Gpu) -> Result<Counts> {
+        self.counters.read(gpu)
+    }
+
+    /// How many volumes and tables of light this renderer has made so far: a frame that
+    /// changes nothing adds none.
+    pub fn light_updates(&self) -> u32 {
+        self.redone + self.lights.redone
+    }
+
+    /// How many noise volumes this renderer has made so far: one for each seed after another.
+    pub fn noise_updates(&self) -> u32 {
+        self.media.noises
+    }
+
+    /// What `shaders/march.wgsl` has been compiled for so far.
+    pub fn variants(&self) -> impl Iterator<Item = &Variant> {
+        self.march.variants()
+    }
+
+    /// Clouds of the last picture that wait for their light: see [`Settings::lights_at_once`].
+    pub fn lights_waiting(&self) -> u32 {
+        self.lights.waiting
+    }
+
+    /// Memory that the light in the clouds takes, bytes: at most twice what 64 clouds of the
+    /// largest kind take in this quality and the coarsest light of all that are in the picture.
+    pub fn light_bytes(&self) -> u64 {
+        self.lights.bytes()
+    }
+
+    fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
+        if self.settings.counting {
+            self.counters.clear(encoder);
+        }
+        self.media.begin();
+        self.prepare_sky(encoder, frame);
+        self.prepare_lights(encoder, frame, flush);
+    }
+
+    fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        let timing = self.timing.as_ref();
+        let redone = self.sky.prepare(&self.device, &self.queue, encoder, &frame.sky, &frame.camera, timing);
+        self.redone += redone.count();
+    }
+
+    /// Finds where the clouds are in the picture, and makes the light of those that are.
+    fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
+        let cover = |cloud: &CloudFrame| {
+            let eye = (frame.camera_position - cloud.origin).as_vec3();
+            Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids)
+        };
+        self.covers = frame.clouds.par_iter().map(cover).collect();
+        let inputs = Inputs {
+            device: &self.device,
+            to_sun: frame.sun.to_sun,
+            needs: self.settings.transport.0.needs,
+            lit_by_sky: self.sky.lights(),
+            sky: &self.sky,
+            timing: self.timing.as_ref(),
+        };
+        let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
+        let Settings { quality, lights_at_once, .. } = &self.settings;
+        let media = &mut self.media;
+        self.lights.prepare(encoder, &inputs, media, frame, quality, &in_view, *lights_at_once, flush);
+    }
+
+    /// The clouds in the picture, far ones first.
+    fn draws(
+        &mut self,
+        frame: &Frame,
+        depth: Option<&SceneDepth<'_>>,
+        entry: &'static str,
+        format: wgpu::TextureFormat,
+    ) -> Vec<Draw> {
+        let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
+        let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();
+        order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
+        let (settings, sky, counters) = (&self.settings, &self.sky, &self.counters);
+        let view = View { frame, settings, depth, sky, counters, entry, format };
+        self.march.prepare(&view, &order, &self.covers, &mut self.media, &mut self.lights)
+    }
+
+    /// Begins a pass over what `targets` hold.
+    fn clouds_pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        targets: &[wgpu::TextureView],
+    ) -> wgpu::RenderPass<'a> {
+        let attachments: Vec<_> =
+            targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("clouds"),
+            color_attachments: &attachments,
+            timestamp_writes: self.timing.as_ref().and_then(|timing| timing.render("clouds")),
+            ..Default::default()
+        })
+    }
+}
+
+/// Submits what was recorded and waits for it: what it alone used is free again, and no
+/// submission runs into a driver's time limit. Failures show when the picture is finished; where
+/// it is given up, no more light is made.
+fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> bool {
+    let full = std::mem::replace(encoder, gpu.device.create_command_encoder(&Default::default()));
+    gpu.queue.submit([full.finish()]);
+    if let Err(error) = gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
+        tracing::error!(%error, "waiting for light");
+    }
+    !gpu::stop_flag().load(Ordering::Relaxed)
+}
+
+fn attachment(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+    }
+}
+
+fn clear(encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView) {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("clear"),
+        color_attachments: &[Some(attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)))],
+        ..Default::default()
+    });
+}

@@ -1,0 +1,177 @@
+//! Pictures that are drawn over several of the caller's frames: an editor whose window
+//! must stay alive asks for a few tiles at a time.
+
+use wgpu::TextureView;
+
+use super::{Draw, Flush, HDR, Layers, Renderer, Target, clear, view};
+use crate::{Result, frame::Frame, gpu::Gpu};
+
+/// Tiles of one submission, of at most 256 pixels each: a second or two in final quality on two
+/// CPU cores.
+const PIECE: u32 = 256;
+
+/// A picture under way: what [`Renderer::draw_pieces`] has yet to draw. It stays good until
+/// another frame is begun on its renderer.
+pub struct Pieces {
+    stages: Vec<Stage>,
+    stage: usize,
+    draw: usize,
+    tile: u32,
+    done: u32,
+    total: u32,
+}
+
+/// Clouds into their targets.
+struct Stage {
+    draws: Vec<Draw>,
+    targets: Vec<TextureView>,
+    format: wgpu::TextureFormat,
+}
+
+impl Stage {
+    fn new(draws: Vec<Draw>, targets: &[&TextureView], format: wgpu::TextureFormat) -> Self {
+        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect(), format }
+    }
+}
+
+impl Pieces {
+    fn new(stages: Vec<Stage>) -> Self {
+        let total = stages.iter().flat_map(|stage| &stage.draws).map(|draw| draw.tiles).sum();
+        Self { stages, stage: 0, draw: 0, tile: 0, done: 0, total }
+    }
+
+    /// Whether nothing is left to draw.
+    pub fn finished(&self) -> bool {
+        self.done == self.total
+    }
+
+    /// Share that is drawn, 0 to 1.
+    pub fn share(&self) -> f64 {
+        if self.total == 0 { 1.0 } else { f64::from(self.done) / f64::from(self.total) }
+    }
+
+    /// Tiles in all: at most 256 pixels each.
+    pub fn tiles(&self) -> u32 {
+        self.total
+    }
+}
+
+impl Renderer {
+    /// Records what comes before the clouds of `frame`, the sky where wanted; the clouds are
+    /// left to [`Renderer::draw_pieces`]. Submit the encoder before the first piece.
+    pub fn begin_pieces(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &Target<'_>,
+    ) -> Pieces {
+        self.begin(encoder, frame, target, &mut |_| true)
+    }
+
+    /// The same; `flush` may submit the light of the clouds one by one.
+    pub(super) fn begin(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &Target<'_>,
+        flush: Flush<'_>,
+    ) -> Pieces {
+        self.prepare(encoder, frame, flush);
+        if target.sky {
+            self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
+        }
+        let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
+        Pieces::new(vec![Stage::new(draws, &[target.color], self.format)])
+    }
+
+    /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
+    pub fn begin_layers(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> (Layers, Pieces) {
+        self.begin_apart(encoder, frame, &mut |_| true)
+    }
+
+    /// The same; `flush` may submit the light of the clouds one by one.
+    pub(super) fn begin_apart(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        flush: Flush<'_>,
+    ) -> (Layers, Pieces) {
+        self.prepare(encoder, frame, flush);
+        let [sky, single, multiple, air, distance, normal] =
+            ["sky", "single", "multiple", "air", "distance", "normal"]
+                .map(|label| self.picture(label, frame.size(), HDR));
+        self.sky.draw(&self.device, encoder, &view(&sky), HDR, self.timing.as_ref());
+        let targets = [&single, &multiple, &air, &distance, &normal].map(view);
+        targets.iter().for_each(|target| clear(encoder, target));
+        let [single_to, multiple_to, air_to, distance_to, normal_to] = &targets;
+        let lit = [single_to, multiple_to, air_to, distance_to];
+        let work = vec![
+            Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to], HDR),
+            Stage::new(self.draws(frame, None, "layers", HDR), &lit, HDR),
+        ];
+        (Layers { sky, single, multiple, air, distance, normal }, Pieces::new(work))
+    }
+
+    /// Begins the work of each pixel of `frame`: steps, evaluations of the density and reads
+    /// of maps, all clouds added up, in the first three channels of the texture.
+    pub fn begin_cost(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+    ) -> (wgpu::Texture, Pieces) {
+        self.prepare(encoder, frame, &mut |_| true);
+        let cost = self.picture("cost", frame.size(), HDR);
+        clear(encoder, &view(&cost));
+        let draws = self.draws(frame, None, "cost", HDR);
+        let work = Stage::new(draws, &[&view(&cost)], HDR);
+        (cost, Pieces::new(vec![work]))
+    }
+
+    /// Records the next `tiles` tiles; submit the encoder before the next call.
+    pub fn draw_pieces(&self, encoder: &mut wgpu::CommandEncoder, pieces: &mut Pieces, tiles: u32) {
+        let mut left = tiles;
+        while left > 0
+            && let Some(stage) = pieces.stages.get(pieces.stage)
+        {
+            let mut pass = self.clouds_pass(encoder, &stage.targets);
+            while left > 0
+                && let Some(draw) = stage.draws.get(pieces.draw)
+            {
+                let drawn = left.min(draw.tiles - pieces.tile);
+                self.march.draw(&mut pass, stage.format, draw, pieces.tile..pieces.tile + drawn);
+                left -= drawn;
+                pieces.done += drawn;
+                pieces.tile += drawn;
+                if pieces.tile == draw.tiles {
+                    (pieces.draw, pieces.tile) = (pieces.draw + 1, 0);
+                }
+            }
+            if pieces.draw == stage.draws.len() {
+                (pieces.stage, pieces.draw) = (pieces.stage + 1, 0);
+            }
+        }
+        if pieces.finished() {
+            self.end(encoder);
+        }
+    }
+
+    /// Draws what is left, [`PIECE`] tiles a submission.
+    pub(super) fn draw_all(
+        &self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+        mut pieces: Pieces,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        loop {
+            self.draw_pieces(&mut encoder, &mut pieces, PIECE);
+            let full = std::mem::replace(&mut encoder, self.encoder());
+            self.queue.submit([full.finish()]);
+            gpu.finish("drawing clouds")?;
+            progress(pieces.share());
+            if pieces.finished() {
+                return Ok(());
+            }
+        }
+    }
+}

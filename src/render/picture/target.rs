@@ -1,0 +1,59 @@
+//! Where pictures go: the caller's textures, or layers of light.
+
+use crate::frame::CameraUniform;
+
+/// Where a picture goes.
+pub struct Target<'a> {
+    /// A view of a linear texture of the renderer's format and the frame's size. What it
+    /// holds stays behind the clouds.
+    pub color: &'a wgpu::TextureView,
+    /// What the caller drew there before: clouds end at it.
+    pub depth: Option<SceneDepth<'a>>,
+    /// Whether to draw the sky first, over everything.
+    pub sky: bool,
+}
+
+/// A depth buffer of the caller's, drawn with the frame's camera: perspective, or
+/// orthographic with a finite far plane.
+pub struct SceneDepth<'a> {
+    /// A view of a depth texture, depth aspect, that can be sampled.
+    pub view: &'a wgpu::TextureView,
+    /// Distance of the near plane, m.
+    pub near: f32,
+    /// Distance of the far plane, m; may be infinite.
+    pub far: f32,
+    /// Whether depth is 1 at the near plane and 0 at the far one.
+    pub reversed: bool,
+}
+
+impl SceneDepth<'_> {
+    /// (x, y, z) such that the distance along the view axis is x / (y + z depth), or
+    /// x + y depth for an orthographic camera.
+    pub(in crate::render) fn coefficients(&self, camera: &CameraUniform) -> [f32; 4] {
+        let (near, far) = (self.near, self.far);
+        if camera.projection == CameraUniform::ORTHOGRAPHIC {
+            let (zero, one) = if self.reversed { (far, near) } else { (near, far) };
+            return [zero, one - zero, 0.0, 0.0];
+        }
+        // 1/distance is linear in depth: 1/near at the near plane, 1/far at the far one.
+        let (zero, one) = if self.reversed { (1.0 / far, 1.0 / near) } else { (1.0 / near, 1.0 / far) };
+        [1.0, zero, one - zero, 0.0]
+    }
+}
+
+/// The light of a picture apart, all premultiplied by the alpha in their fourth channel:
+/// beauty = sky (1 - alpha) + single + multiple + air.
+pub struct Layers {
+    /// Sky, sun and ground without clouds.
+    pub sky: wgpu::Texture,
+    /// Sunlight scattered once in the clouds.
+    pub single: wgpu::Texture,
+    /// Light scattered more often, sky and ground light included.
+    pub multiple: wgpu::Texture,
+    /// Light scattered by the air in front of the clouds.
+    pub air: wgpu::Texture,
+    /// Distance of the clouds in kilometres, in the first three channels.
+    pub distance: wgpu::Texture,
+    /// Which way the clouds face: a unit vector of the world where alpha is 1.
+    pub normal: wgpu::Texture,
+}

@@ -1,0 +1,33 @@
+//! How a renderer draws, as one value.
+
+use super::{Quality, Transport};
+
+/// What a renderer is told once and may be told anew between pictures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// How much work a picture gets.
+    pub quality: Quality,
+    /// How light inside a cloud is found.
+    pub transport: Transport,
+    /// Whether the air between camera and clouds dims them and shines itself; without it the
+    /// light is that of the clouds alone, as path traced pictures have it.
+    pub aerial: bool,
+    /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
+    /// what they have, of another moment. For windows in which something moves.
+    pub lights_at_once: u32,
+    /// Whether to count work; slower.
+    pub counting: bool,
+}
+
+impl Default for Settings {
+    /// Final quality, the most accurate light, all of it at once.
+    fn default() -> Self {
+        Self {
+            quality: Quality::default(),
+            transport: Transport::default(),
+            aerial: true,
+            lights_at_once: u32::MAX,
+            counting: false,
+        }
+    }
+}

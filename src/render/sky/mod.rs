@@ -1,0 +1,461 @@
+//! The sky behind the clouds and the light that it throws on them.
+//!
+//! Hillaire's tables (`shaders/lib/atmosphere.wgsl` has the sources) depend on one
+//! another and on ever more of the scene, and each is made again only when something
+//! it depends on has changed:
+//!
+//! ```text
+//! atmosphere, ground -> transmittance -> multiple scattering -> ground light
+//!   + height of the sun, height of the camera -> sky view
+//!   + height of the sun, irradiance           -> sky light
+//!   + sun, camera                             -> aerial volume
+//! ```
+//!
+//! A sky without an atmosphere has no tables; then single texels stand in for them, so
+//! that other passes can bind the same things.
+
+mod background;
+
+use glam::Vec3;
+use half::f16;
+use wgpu::{TextureFormat, TextureUsages, TextureView};
+
+use crate::{
+    frame::{AERIAL_REACH, CameraUniform, SkySettings, SkyUniform},
+    gpu::{self, ComputeProgram, TextureDesc, Timing},
+};
+use background::{Background, BackgroundKind, background_pipeline};
+
+/// Format of all tables: filterable and storable on every device.
+const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
+/// Sizes of the tables, texels. All are multiples of their shader's workgroup.
+const TRANSMITTANCE: [u32; 3] = [256, 64, 0];
+const MULTIPLE: [u32; 3] = [32, 32, 0];
+const GROUND_LIGHT: [u32; 3] = [64, 1, 0];
+const SKY_VIEW: [u32; 3] = [192, 128, 0];
+const SKY_LIGHT: [u32; 3] = [3, 1, 0];
+const AERIAL: [u32; 3] = [32, 32, 32];
+
+/// Which tables [`Sky::prepare`] made again.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Redone {
+    /// Transmittance, multiple scattering and ground light.
+    pub atmosphere: bool,
+    /// What the camera sees of the sky.
+    pub sky_view: bool,
+    /// What falls on the clouds.
+    pub sky_light: bool,
+    /// The air between the camera and the clouds.
+    pub aerial: bool,
+}
+
+impl Redone {
+    /// How many tables that were.
+    pub fn count(self) -> u32 {
+        3 * u32::from(self.atmosphere)
+            + [self.sky_view, self.sky_light, self.aerial].map(u32::from).iter().sum::<u32>()
+    }
+}
+
+/// One table's program and what it reads and writes.
+struct Fill {
+    name: &'static str,
+    program: ComputeProgram,
+    group: wgpu::BindGroup,
+    workgroups: [u32; 3],
+}
+
+impl Fill {
+    fn new(
+        device: &wgpu::Device,
+        name: &'static str,
+        resources: &[wgpu::BindingResource<'_>],
+        workgroups: [u32; 3],
+    ) -> Self {
+        let program = ComputeProgram::new(device, name, &[]);
+        let resources: Vec<_> = resources.iter().cloned().map(Some).collect();
+        let group = program.bind(device, &resources);
+        Self { name, program, group, workgroups }
+    }
+
+    fn run(&self, encoder: &mut wgpu::CommandEncoder, timing: Option<&Timing>) {
+        let stamps = timing.and_then(|timing| timing.compute(self.name));
+        self.program.dispatch(encoder, &[&self.group], self.workgroups, stamps);
+    }
+}
+
+/// The tables of an atmosphere, made when a scene first has one.
+struct Tables {
+    transmittance: TextureView,
+    multiple: TextureView,
+    ground: TextureView,
+    sky_view: TextureView,
+    aerial: TextureView,
+    fill_atmosphere: [Fill; 3],
+    fill_sky_view: Fill,
+    fill_sky_light: Fill,
+    fill_aerial: Fill,
+}
+
+impl Tables {
+    fn new(
+        device: &wgpu::Device,
+        sky: &wgpu::Buffer,
+        camera: &wgpu::Buffer,
+        sampler: &wgpu::Sampler,
+        sky_light: &TextureView,
+    ) -> Self {
+        use wgpu::BindingResource::{Sampler, TextureView as View};
+        let table = |label, size| view(&table(device, label, size));
+        let transmittance = table("transmittance", TRANSMITTANCE);
+        let multiple = table("multiple scattering", MULTIPLE);
+        let ground = table("ground light", GROUND_LIGHT);
+        let sky_view = table("sky view", SKY_VIEW);
+        let aerial = table("aerial", AERIAL);
+        let (sky, camera) = (sky.as_entire_binding(), camera.as_entire_binding());
+        let (sky, camera, linear) = (|| sky.clone(), || camera.clone(), || Sampler(sampler));
+        let (t, m, g) = (|| View(&transmittance), || View(&multiple), || View(&ground));
+        let [x, y, _] = TRANSMITTANCE;
+        let fill_transmittance = Fill::new(device, "transmittance", &[sky(), t()], [x / 8, y / 8, 1]);
+        let [x, y, _] = MULTIPLE;
+        let fill_multiple =
+            Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], [x / 8, y / 8, 1]);
+        let fill_ground = Fill::new(
+            device,
+            "ground_light",
+            &[sky(), t(), m(), linear(), g()],
+            [GROUND_LIGHT[0] / 64, 1, 1],
+        );
+        let [x, y, _] = SKY_VIEW;
+        let fill_sky_view = Fill::new(
+            device,
+            "sky_view",
+            &[sky(), camera(), t(), m(), g(), linear(), View(&sky_view)],
+            [x / 8, y / 4, 1],
+        );
+        let fill_sky_light = Fill::new(
+            device,
+            "sky_light",
+            &[sky(), t(), m(), g(), linear(), View(sky_light)],
+            [SKY_LIGHT[0], 1, 1],
+        );
+        let [x, y, _] = AERIAL;
+        let fill_aerial = Fill::new(
+            device,
+            "aerial",
+            &[sky(), camera(), t(), m(), linear(), View(&aerial)],
+            [x / 8, y / 8, 1],
+        );
+        Self {
+            fill_atmosphere: [fill_transmittance, fill_multiple, fill_ground],
+            fill_sky_view,
+            fill_sky_light,
+            fill_aerial,
+            transmittance,
+            multiple,
+            ground,
+            sky_view,
+            aerial,
+        }
+    }
+}
+
+/// The sky pass. Call [`Sky::prepare`] and then bind its tables or [`Sky::draw`].
+pub struct Sky {
+    sky_uniform: wgpu::Buffer,
+    camera_uniform: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    sky_light_texture: wgpu::Texture,
+    sky_light: TextureView,
+    white_texture: wgpu::Texture,
+    white: TextureView,
+    no_air_texture: wgpu::Texture,
+    no_air: TextureView,
+    tables: Option<Tables>,
+    backgrounds: Vec<Background>,
+    /// The kind of background that was last prepared.
+    current: BackgroundKind,
+    /// What the tables hold.
+    made: Option<Made>,
+}
+
+/// All that tables depend on.
+#[derive(Clone, Copy, PartialEq)]
+struct Made {
+    settings: SkySettings,
+    camera: CameraUniform,
+}
+
+impl Made {
+    /// Which tables must be made for `self` where those of `before` are at hand.
+    fn redo(&self, before: Option<&Self>) -> Redone {
+        if !self.settings.atmosphere {
+            return Redone::default();
+        }
+        let Some(before) = before.filter(|before| before.settings.atmosphere) else {
+            return Redone { atmosphere: true, sky_view: true, sky_light: true, aerial: true };
+        };
+        let (new, old) = (&self.settings.uniform, &before.settings.uniform);
+        let (eye, old_eye) = (&self.camera, &before.camera);
+        let atmosphere = new.atmosphere != old.atmosphere;
+        let sun_height = atmosphere || new.to_sun.y != old.to_sun.y;
+        let altitude = eye.altitude != old_eye.altitude;
+        let rays = (eye.projection, eye.right, eye.up, eye.forward)
+            != (old_eye.projection, old_eye.right, old_eye.up, old_eye.forward);
+        Redone {
+            atmosphere,
+            sky_view: sun_height || altitude,
+            sky_light: sun_height
+                || new.irradiance != old.irradiance
+                || new.light_altitude != old.light_altitude,
+            aerial: atmosphere
+                || new.to_sun != old.to_sun
+                || new.aerial_reach != old.aerial_reach
+                || altitude
+                || rays,
+        }
+    }
+}
+
+impl Sky {
+    /// A sky without tables yet.
+    pub fn new(device: &wgpu::Device) -> Self {
+        let zeroed = |label, size| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size,
+                usage: gpu::UNIFORM,
+                mapped_at_creation: false,
+            })
+        };
+        let sky_light_texture = table(device, "sky light", SKY_LIGHT);
+        let white_texture = table(device, "no absorption", [1, 1, 0]);
+        let no_air_texture = table(device, "no air", [1, 1, 1]);
+        Self {
+            sky_uniform: zeroed("sky", size_of::<SkyUniform>() as u64),
+            camera_uniform: zeroed("sky camera", size_of::<CameraUniform>() as u64),
+            sampler: gpu::linear_clamp(device),
+            sky_light: view(&sky_light_texture),
+            sky_light_texture,
+            white: view(&white_texture),
+            white_texture,
+            no_air: view(&no_air_texture),
+            no_air_texture,
+            tables: None,
+            backgrounds: Vec::new(),
+            current: BackgroundKind { atmosphere: false, sun_disc: false },
+            made: None,
+        }
+    }
+
+    /// Brings the tables up to date: records those whose inputs changed since the last
+    /// call, and tells which. Once for each submission of `encoder`.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        settings: &SkySettings,
+        camera: &CameraUniform,
+        timing: Option<&Timing>,
+    ) -> Redone {
+        let wanted = Made { settings: *settings, camera: *camera };
+        if self.made == Some(wanted) {
+            return Redone::default();
+        }
+        queue.write_buffer(&self.sky_uniform, 0, bytemuck::bytes_of(&settings.uniform));
+        queue.write_buffer(&self.camera_uniform, 0, bytemuck::bytes_of(camera));
+        let redo = wanted.redo(self.made.as_ref());
+        if settings.atmosphere {
+            let tables = self.tables.get_or_insert_with(|| {
+                Tables::new(device, &self.sky_uniform, &self.camera_uniform, &self.sampler, &self.sky_light)
+            });
+            let fills = [
+                (redo.atmosphere, &tables.fill_atmosphere[..]),
+                (redo.sky_view, std::slice::from_ref(&tables.fill_sky_view)),
+                (redo.sky_light, std::slice::from_ref(&tables.fill_sky_light)),
+                (redo.aerial, std::slice::from_ref(&tables.fill_aerial)),
+            ];
+            for fill in fills.iter().filter(|(wanted, _)| *wanted).flat_map(|(_, fills)| *fills) {
+                fill.run(encoder, timing);
+            }
+        } else {
+            self.write_plain(queue, settings.uniform.radiance);
+        }
+        let sunlit = settings.uniform.irradiance != Vec3::ZERO;
+        self.current = BackgroundKind {
+            atmosphere: settings.atmosphere,
+            sun_disc: sunlit && camera.projection != CameraUniform::ORTHOGRAPHIC,
+        };
+        self.made = Some(wanted);
+        redo
+    }
+
+    /// The single texels that stand in for the tables of an atmosphere.
+    fn write_plain(&self, queue: &wgpu::Queue, radiance: Vec3) {
+        write_texels(queue, &self.white_texture, &[[1.0; 4]]);
+        write_texels(queue, &self.no_air_texture, &[[0.0, 0.0, 0.0, 1.0]]);
+        write_texels(queue, &self.sky_light_texture, &[light_texel(radiance); 3]);
+    }
+
+    /// The background that is wanted now, compiled unless it was wanted before.
+    fn background(&mut self, device: &wgpu::Device, format: TextureFormat) -> &Background {
+        let kind = self.current;
+        let known = self.backgrounds.iter().position(|known| known.kind == kind && known.format == format);
+        let index = known.unwrap_or_else(|| {
+            self.backgrounds.push(self.compile_background(device, format, kind));
+            self.backgrounds.len() - 1
+        });
+        &self.backgrounds[index]
+    }
+
+    fn compile_background(
+        &self,
+        device: &wgpu::Device,
+        format: TextureFormat,
+        kind: BackgroundKind,
+    ) -> Background {
+        let pipeline = background_pipeline(device, format, kind);
+        let sky_view = self.tables.as_ref().filter(|_| kind.atmosphere).map(|tables| &tables.sky_view);
+        let resources = [
+            self.sky_uniform.as_entire_binding(),
+            self.camera_uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(self.transmittance()),
+            wgpu::BindingResource::TextureView(sky_view.unwrap_or(&self.white)),
+            wgpu::BindingResource::Sampler(&self.sampler),
+        ];
+        let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
+        Background { kind, format, pipeline, group }
+    }
+
+    /// What the radiance of sky and ground is found from, in the order of the bindings of
+    /// `sky_light`; without an atmosphere single texels stand in for its tables.
+    pub(super) fn sources(&self) -> [wgpu::BindingResource<'_>; 5] {
+        let tables = self.tables.as_ref().filter(|_| self.has_atmosphere());
+        let [transmittance, multiple, ground] = tables
+            .map_or([&self.white; 3], |tables| [&tables.transmittance, &tables.multiple, &tables.ground]);
+        [
+            self.sky_uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(transmittance),
+            wgpu::BindingResource::TextureView(multiple),
+            wgpu::BindingResource::TextureView(ground),
+            wgpu::BindingResource::Sampler(&self.sampler),
+        ]
+    }
+
+    /// What was last prepared, as far as light on clouds depends on it.
+    pub(super) fn settings(&self) -> Option<SkySettings> {
+        self.made.map(|made| made.settings)
+    }
+
+    /// Draws what was last prepared over the whole of `target`, with alpha 1.
+    pub fn draw(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &TextureView,
+        format: TextureFormat,
+        timing: Option<&Timing>,
+    ) {
+        let background = self.background(device, format);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("sky"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            timestamp_writes: timing.and_then(|timing| timing.render("sky")),
+            ..Default::default()
+        });
+        pass.set_pipeline(&background.pipeline);
+        pass.set_bind_group(0, &background.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// `Sky` of `shaders/lib/atmosphere.wgsl` as it was last prepared. It begins with
+    /// its `Atmosphere`, and can be bound as one.
+    pub fn atmosphere(&self) -> &wgpu::Buffer {
+        &self.sky_uniform
+    }
+
+    /// Whether there is an atmosphere. Where there is none, a shader need not read the
+    /// transmittance and the air.
+    pub fn has_atmosphere(&self) -> bool {
+        self.current.atmosphere
+    }
+
+    /// Whether any light falls on the clouds from sky and ground.
+    pub fn lights(&self) -> bool {
+        self.made.is_some_and(|made| {
+            let sky = &made.settings.uniform;
+            let light = if made.settings.atmosphere { sky.irradiance } else { sky.radiance };
+            light != Vec3::ZERO
+        })
+    }
+
+    /// Distance at which the aerial volume ends, metres: `aerial_perspective` needs it.
+    pub fn aerial_range(&self) -> f32 {
+        self.made.map_or(AERIAL_REACH, |made| made.settings.uniform.aerial_reach)
+    }
+
+    /// Transmittance to the top of the atmosphere, for `sun_irradiance_at`. A white
+    /// texel where there is no atmosphere: ask again after [`Sky::prepare`].
+    pub fn transmittance(&self) -> &TextureView {
+        self.active().map_or(&self.white, |tables| &tables.transmittance)
+    }
+
+    /// What falls on the clouds, for the shader function `light_of_sky`, in the scene's
+    /// units. Always the same texture.
+    pub fn sky_light(&self) -> &TextureView {
+        &self.sky_light
+    }
+
+    /// The air before the camera, for `aerial_perspective`. A clear texel where there is
+    /// no atmosphere: ask again after [`Sky::prepare`].
+    pub fn aerial(&self) -> &TextureView {
+        self.active().map_or(&self.no_air, |tables| &tables.aerial)
+    }
+
+    /// What the camera sees of sky and ground. A white texel where there is no atmosphere.
+    pub fn sky_view(&self) -> &TextureView {
+        self.active().map_or(&self.white, |tables| &tables.sky_view)
+    }
+
+    /// Bilinear, clamped to the edge: the sampler of all these tables.
+    pub fn sampler(&self) -> &wgpu::Sampler {
+        &self.sampler
+    }
+
+    fn active(&self) -> Option<&Tables> {
+        self.tables.as_ref().filter(|_| self.current.atmosphere)
+    }
+}
+
+fn table(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {
+    gpu::texture(
+        device,
+        &TextureDesc { label, size, mips: 1, format: FORMAT, usage: TextureUsages::STORAGE_BINDING },
+    )
+}
+
+fn view(texture: &wgpu::Texture) -> TextureView {
+    texture.create_view(&Default::default())
+}
+
+/// `light_texel` of `shaders/lib/atmosphere.wgsl`.
+fn light_texel(radiance: Vec3) -> [f32; 4] {
+    let exponent = radiance.max_element().max(1e-10).log2().floor().clamp(-14.0, 15.0).exp2();
+    (radiance / exponent).extend(exponent).to_array()
+}
+
+/// Fills a texture of one row.
+fn write_texels(queue: &wgpu::Queue, texture: &wgpu::Texture, texels: &[[f32; 4]]) {
+    let halves: Vec<f16> = texels.as_flattened().iter().copied().map(f16::from_f32).collect();
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: None, rows_per_image: None };
+    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&halves), layout, texture.size());
+}
