@@ -50,7 +50,7 @@ override SCENE_DEPTH: bool = false;
 @group(0) @binding(2) var<storage, read> tiles: array<Tile>;
 @group(0) @binding(3) var<storage, read> candidates: array<u32>;
 @group(0) @binding(4) var<uniform> air: Atmosphere;
-@group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 14>;
+@group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 16>;
 @group(0) @binding(6) var clamped: sampler;
 @group(0) @binding(7) var transmittance: texture_2d<f32>;
 @group(0) @binding(8) var sky_light: texture_2d<f32>;

@@ -10,13 +10,30 @@ fn smooth_rise(x: f32) -> f32 {
     return y * y * y * (y * (6.0 * y - 15.0) + 10.0);
 }
 
-// Depth below the displaced boundary, m, given billows and wisps.
-fn displaced_depth(e: Ellipsoid, depth: f32, noise: vec2f) -> f32 {
-    let n = mix(noise.x, noise.y, e.wispiness);
-    return depth - 0.5 * e.displacement * (1.0 - n);
+// The edge of a cloud at a place, and what is behind it.
+struct Edge {
+    // Extinction coefficient of the core, 1/m.
+    extinction: f32,
+    // Largest distance by which the noise pushes the boundary inwards, m.
+    displacement: f32,
+    // Depth behind the displaced boundary over which the density rises, m.
+    rise: f32,
+    // 0 where the noise is all billows, 1 where it is all wisps.
+    wispiness: f32,
+    species: u32,
 }
 
-// What the union of ellipsoids holds at a point.
+fn edge_of(e: Ellipsoid) -> Edge {
+    return Edge(e.extinction, e.displacement, e.rise, e.wispiness, e.species);
+}
+
+// Depth below the displaced boundary, m, given billows and wisps.
+fn displaced_depth(edge: Edge, depth: f32, noise: vec2f) -> f32 {
+    let n = mix(noise.x, noise.y, edge.wispiness);
+    return depth - 0.5 * edge.displacement * (1.0 - n);
+}
+
+// What is at a point.
 struct Matter {
     // Extinction coefficient, 1/m: that of the densest ellipsoid, so that overlaps count once.
     extinction: f32,
@@ -31,19 +48,25 @@ struct Matter {
 
 const CLEAR: Matter = Matter(0.0, -1e30, 0.0, 0u);
 
-// The union grown by one more ellipsoid; `blur` is the width of a pixel, m: edges that
-// it could not show are widened to it, about their middle, so that no matter is lost.
+// What is at a `depth` below an edge that noise has yet to displace, m; `blur` is the width of a
+// pixel, m: edges that it could not show are widened to it, about their middle, so that no matter is lost.
+fn matter_below(edge: Edge, depth: f32, noise: vec2f, blur: f32) -> Matter {
+    let width = max(edge.rise, blur);
+    let d = displaced_depth(edge, depth, noise) + 0.5 * (width - edge.rise);
+    return Matter(edge.extinction * smooth_rise(d / width), d, max(-d, d - width), edge.species);
+}
+
+// The union grown by one more ellipsoid.
 fn matter_with(matter: Matter, e: Ellipsoid, u: vec3f, noise: vec2f, blur: f32) -> Matter {
     if dot(u, u) >= 1.0 {
         return matter;
     }
-    let width = max(e.rise, blur);
-    let depth = displaced_depth(e, ellipsoid_depth(e, u), noise) + 0.5 * (width - e.rise);
-    let extinction = e.extinction * smooth_rise(depth / width);
-    let deepest = depth > matter.depth;
-    let steady = select(matter.steady, max(-depth, depth - width), deepest);
+    let here = matter_below(edge_of(e), ellipsoid_depth(e, u), noise, blur);
+    let deepest = here.depth > matter.depth;
+    let denser = here.extinction > matter.extinction;
     // Something else than the deepest ellipsoid decides.
-    let other = select(extinction > matter.extinction, extinction < matter.extinction, deepest);
-    return Matter(max(matter.extinction, extinction), max(matter.depth, depth), select(steady, 0.0, other),
-        select(matter.species, e.species, extinction > matter.extinction));
+    let other = select(denser, here.extinction < matter.extinction, deepest);
+    let steady = select(matter.steady, here.steady, deepest);
+    return Matter(max(matter.extinction, here.extinction), max(matter.depth, here.depth),
+        select(steady, 0.0, other), select(matter.species, here.species, denser));
 }

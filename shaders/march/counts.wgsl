@@ -9,7 +9,9 @@ const DENSITY: u32 = 3u;
 const NOISE_READS: u32 = 4u;
 const MAP_READS: u32 = 5u;
 const ELLIPSOIDS: u32 = 6u;
-const COUNTERS: u32 = 7u;
+// Reads of a baked volume of depths, and of its index.
+const VOLUME_READS: u32 = 7u;
+const COUNTERS: u32 = 8u;
 var<private> counts: array<u32, COUNTERS>;
 
 fn count(what: u32, amount: u32) {

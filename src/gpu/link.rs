@@ -13,7 +13,7 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`, pure functions and structs: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "attenuation", "camera", "constants", "density", "eddington", "ellipsoid", "field", "harmonics", "light_box", "lighting", "noise", "octave", "path_random", "phase", "random", "region", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "species", "tonemap",
+    "air", "atmosphere", "attenuation", "camera", "constants", "density", "depth_volume", "eddington", "ellipsoid", "field", "harmonics", "light_box", "lighting", "noise", "octave", "path_random", "phase", "random", "region", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_view", "species", "tonemap",
 );
 
 /// Parts of the march, and of models of light, that have bindings, overrides or state.
@@ -24,7 +24,7 @@ pub const PARTS: &[&[(&str, &str)]] = &[
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "compose", "ground_light", "march", "mips", "moments_entering", "moments_medium", "moments_scatter", "moments_store", "moments_sweep", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
+    "aerial", "compose", "depth_bake", "ground_light", "march", "mips", "moments_entering", "moments_medium", "moments_scatter", "moments_store", "moments_sweep", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
     "sky_volume", "sun_maps", "sun_normals", "transmittance", "voxels",
 );
 

@@ -7,26 +7,33 @@ use wgpu::{BindGroup, BindGroupLayout, TextureView};
 use crate::{
     frame::{
         Shared,
-        medium::{ELLIPSOIDS, Medium, bind_ellipsoids, upload_noise},
+        medium::{Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, Medium, upload_noise},
     },
-    gpu::{Role, Shader, view},
+    gpu::{ComputeProgram, Role, Shader, view},
 };
 
 /// Media that were in one of the last pictures.
 pub(super) struct Media {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    layout: BindGroupLayout,
     kept: HashMap<u64, Vec<Kept>>,
     /// Noise volumes by seed, the latest first.
     noise: Vec<(u32, TextureView)>,
     picture: u64,
-    /// How many noise volumes were made so far.
+    /// Clouds of so many ellipsoids or more have a baked volume.
+    bake_from: u32,
+    /// How many noise volumes and volumes of depths were made so far.
     pub noises: u32,
+    pub baked: u32,
+    layouts: HashMap<&'static str, BindGroupLayout>,
+    bake: Option<ComputeProgram>,
+    /// By shape, with the last picture that each was in.
+    volumes: HashMap<u64, (DepthVolume, u64)>,
 }
 
 struct Kept {
     medium: Shared<Medium>,
+    role: Role<'static>,
     group: BindGroup,
     /// The last picture that it was in.
     picture: u64,
@@ -34,53 +41,104 @@ struct Kept {
 
 /// Noise volumes that are kept.
 const MOST_NOISES: usize = 4;
+/// Pictures for which what is not in them is kept.
+const KEPT_FOR: u64 = 2;
 
 impl Media {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
-        // Any shader that has the role declares its group.
-        let layout = Shader::new(device, "sky_volume", &[ELLIPSOIDS]).groups.swap_remove(1);
-        let (device, queue) = (device.clone(), queue.clone());
-        Self { device, queue, layout, kept: HashMap::new(), noise: Vec::new(), picture: 0, noises: 0 }
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            kept: HashMap::new(),
+            noise: Vec::new(),
+            picture: 0,
+            bake_from: u32::MAX,
+            noises: 0,
+            baked: 0,
+            layouts: HashMap::new(),
+            bake: None,
+            volumes: HashMap::new(),
+        }
     }
 
-    /// The module that fills the role of the medium.
-    pub fn role(&self, _: &Medium) -> Role<'static> {
-        ELLIPSOIDS
-    }
-
-    /// Begins a picture: forgets what the last two had not.
-    pub fn begin(&mut self) {
+    /// Begins a picture in which clouds of `bake_from` ellipsoids or more have a baked volume: forgets
+    /// what the last pictures had not.
+    pub fn begin(&mut self, bake_from: u32) {
+        self.bake_from = bake_from;
         self.picture += 1;
-        let oldest = self.picture.saturating_sub(2);
+        let oldest = self.picture.saturating_sub(KEPT_FOR);
         self.kept.retain(|_, list| {
             list.retain(|kept| kept.picture >= oldest);
             !list.is_empty()
         });
+        self.volumes.retain(|_, (_, picture)| *picture >= oldest);
     }
 
-    /// What shaders bind for `medium` as group 1.
-    pub fn group(&mut self, medium: &Shared<Medium>) -> &BindGroup {
-        let picture = self.picture;
-        let known = self.kept.get(&medium.fingerprint);
-        let place = known.and_then(|list| list.iter().position(|kept| kept.medium == *medium));
-        let place = place.unwrap_or_else(|| {
-            let noise = self.noise_volume(medium.seed);
-            let species = [medium.species.uniform()];
-            let group = bind_ellipsoids(
-                &self.device,
-                &self.layout,
-                &medium.ellipsoids,
-                &species,
-                &medium.noise,
-                &noise,
-            );
-            let list = self.kept.entry(medium.fingerprint).or_default();
-            list.push(Kept { medium: medium.clone(), group, picture });
-            list.len() - 1
+    /// Whether a medium has a baked volume.
+    pub fn is_baked(&self, medium: &Medium) -> bool {
+        medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)
+    }
+
+    /// The module that fills the role of the medium.
+    pub fn role(&self, medium: &Medium) -> Role<'static> {
+        if self.is_baked(medium) { DEPTH_VOLUME } else { ELLIPSOIDS }
+    }
+
+    /// Makes what shaders bind for `medium`, where it is not there.
+    pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, medium: &Shared<Medium>) {
+        let (role, picture) = (self.role(medium), self.picture);
+        if let Some((_, last)) = self.volumes.get_mut(&medium.shape) {
+            *last = picture;
+        }
+        let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();
+        let mut known = known.filter(|kept| kept.role == role && kept.medium == *medium);
+        if let Some(kept) = known.next() {
+            kept.picture = picture;
+            return;
+        }
+        drop(known);
+        let group = self.bind(encoder, medium, role);
+        let kept = Kept { medium: medium.clone(), role, group, picture };
+        self.kept.entry(medium.fingerprint).or_default().push(kept);
+    }
+
+    /// What shaders bind as group 1 for a medium that was prepared.
+    pub fn group(&self, medium: &Shared<Medium>) -> &BindGroup {
+        let role = self.role(medium);
+        let known = self.kept.get(&medium.fingerprint).into_iter().flatten();
+        let found = known.into_iter().find(|kept| kept.role == role && kept.medium == *medium);
+        &found.expect("media of clouds in the picture are prepared before their light").group
+    }
+
+    /// Memory of all baked volumes, bytes.
+    pub fn bytes(&self) -> u64 {
+        self.volumes.values().map(|(volume, _)| volume.bytes()).sum()
+    }
+
+    fn bind(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        medium: &Medium,
+        role: Role<'static>,
+    ) -> BindGroup {
+        let noise = self.noise_volume(medium.seed);
+        let common = Common::new(&self.device, &[medium.species.uniform()], &medium.noise, noise);
+        // Any shader that has the role declares its group.
+        let layout = self
+            .layouts
+            .entry(role.1)
+            .or_insert_with(|| Shader::new(&self.device, "sky_volume", &[role]).groups.swap_remove(1))
+            .clone();
+        if !self.is_baked(medium) {
+            return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);
+        }
+        let program = self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
+        let (volume, _) = self.volumes.entry(medium.shape).or_insert_with(|| {
+            self.baked += 1;
+            let bricks = DepthVolume::bake(&self.device, &self.queue, encoder, program, &medium.ellipsoids);
+            (bricks, self.picture)
         });
-        let list = self.kept.entry(medium.fingerprint).or_default();
-        list[place].picture = picture;
-        &list[place].group
+        common.bind_depths(&self.device, &layout, volume)
     }
 
     fn noise_volume(&mut self, seed: u32) -> TextureView {

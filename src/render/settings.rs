@@ -2,6 +2,9 @@
 
 use super::{Quality, Transport};
 
+/// From so many ellipsoids on a volume of depths is the cheaper way: docs/scale.md.
+const BAKE_FROM: u32 = 100;
+
 /// What a renderer is told once and may be told anew between pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -15,6 +18,9 @@ pub struct Settings {
     /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
     /// what they have, of another moment. For windows in which something moves.
     pub lights_at_once: u32,
+    /// Clouds of so many ellipsoids or more are drawn from a volume of depths that is baked once a
+    /// shape; those of fewer ask each ellipsoid.
+    pub bake_from: u32,
     /// Whether to count work; slower.
     pub counting: bool,
 }
@@ -27,6 +33,7 @@ impl Default for Settings {
             transport: Transport::default(),
             aerial: true,
             lights_at_once: u32::MAX,
+            bake_from: BAKE_FROM,
             counting: false,
         }
     }

@@ -117,15 +117,10 @@ fn phases() -> Vec<Twin> {
             let (side, g) = (random.sign(), random.between(0.9, 0.99));
             scalars([side * g, side * (1.0 - random.log(1e-6, 0.01))])
         }),
-        Twin::new(
-            "octave_phases",
-            "octave",
-            "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);",
-            |x| {
-                let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
-                two(octave(0.5), octave(0.25))
-            },
-        )
+        Twin::new("octave_phases", "octave", "return vec4f(octave_phases(x[0].x, x[0].y), 0.0, 0.0);", |x| {
+            let octave = |n: f64| n * henyey_greenstein(n * x[0][0], x[0][1]);
+            two(octave(0.5), octave(0.25))
+        })
         .edges(plane(&[-0.5, 0.0, 0.73], &[-1.0, 0.0, 0.9, 1.0]))
         .over("all", |random| scalars([random.asymmetry(), random.cosine()])),
     ]

@@ -23,14 +23,13 @@ pub struct EllipsoidUniform {
 
 /// Share of the boundary over which the density rises: at the sharpest, and more with
 /// wispiness. The rest is displacement by noise.
-const SHARPEST_RISE: f64 = 0.06;
-const WISPIEST_RISE: f64 = 0.4;
+pub(super) const RISE: [f64; 2] = [0.06, 0.4];
 
 impl EllipsoidUniform {
     /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`.
     pub fn new(cloud: &Cloud, ellipsoid: &Ellipsoid, origin: DVec3) -> Self {
         let edge = cloud.edge_of(ellipsoid);
-        let share = SHARPEST_RISE + (WISPIEST_RISE - SHARPEST_RISE) * edge.wispiness;
+        let share = RISE[0] + (RISE[1] - RISE[0]) * edge.wispiness;
         let rise = edge.boundary * share;
         let axes = DMat3::from_quat(ellipsoid.orientation);
         let row = |axis: DVec3, radius: f64| (axis / radius).extend(1.0 / radius).as_vec4();
@@ -67,6 +66,22 @@ impl EllipsoidUniform {
     /// Half the extents along the axes of the frame, m.
     pub(crate) fn half(&self) -> Vec3 {
         Vec3::new(self.support(Vec3::X), self.support(Vec3::Y), self.support(Vec3::Z))
+    }
+
+    /// The smallest radius, m.
+    pub(crate) fn smallest_radius(&self) -> f32 {
+        1.0 / [self.row_x, self.row_y, self.row_z].map(|row| row.w).into_iter().fold(1e-9, f32::max)
+    }
+
+    /// Whether the homogeneous core holds a whole cube.
+    pub(crate) fn core_holds(&self, corner: Vec3, edge: f32) -> bool {
+        let rows = [self.row_x, self.row_y, self.row_z];
+        let inside = |i: u32| {
+            let p =
+                corner + edge * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) - self.center;
+            Vec3::from(rows.map(|row| row.truncate().dot(p))).length() <= self.core
+        };
+        self.core > 0.0 && (0..8).all(inside)
     }
 
     /// Least and greatest corner of the box around ellipsoids, m; of the unit cube where there are none.

@@ -1,6 +1,7 @@
 //! What is there: shape, noise and particles of a cloud, in the cloud's own frame. Preview, light,
 //! truth and exports ask the same module of `shaders/medium`, so that they cannot drift apart.
 
+mod depth_volume;
 mod ellipsoids;
 mod noise;
 mod species;
@@ -10,6 +11,9 @@ use std::hash::{DefaultHasher, Hasher};
 
 use glam::DVec3;
 
+#[cfg(test)]
+pub(crate) use depth_volume::{BrickUniform, DepthVolumeUniform};
+pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume};
 pub(crate) use ellipsoids::EllipsoidUniform;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
@@ -25,7 +29,7 @@ use crate::{
 };
 
 /// Modules that fill the role of the medium.
-pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS];
+pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME];
 
 /// The medium as a union of ellipsoids.
 pub(crate) const ELLIPSOIDS: Role<'static> =
@@ -36,6 +40,8 @@ pub(crate) const ELLIPSOIDS: Role<'static> =
 pub(crate) struct Medium {
     /// Differs where anything does, but for chance.
     pub fingerprint: u64,
+    /// Differs where the ellipsoids do, but for chance.
+    pub shape: u64,
     pub ellipsoids: Vec<EllipsoidUniform>,
     /// Their middles, m from the origin of the cloud's frame.
     centers: Vec<DVec3>,
@@ -54,6 +60,7 @@ impl Medium {
         let ellipsoids = cloud.ellipsoids.iter();
         let mut medium = Self {
             fingerprint: 0,
+            shape: 0,
             ellipsoids: ellipsoids.clone().map(|e| EllipsoidUniform::new(cloud, e, origin)).collect(),
             centers: ellipsoids.map(|e| e.center - origin).collect(),
             noise: NoiseFrame::new(noise, origin),
@@ -62,7 +69,8 @@ impl Medium {
         };
         let mut hasher = DefaultHasher::new();
         hasher.write(bytemuck::cast_slice(&medium.ellipsoids));
-        hasher.write(bytemuck::bytes_of(&(medium.noise)));
+        medium.shape = hasher.finish();
+        hasher.write(bytemuck::bytes_of(&medium.noise));
         hasher.write(bytemuck::bytes_of(&medium.species.uniform()));
         hasher.write_u32(medium.seed);
         medium.fingerprint = hasher.finish();
@@ -80,23 +88,68 @@ impl Medium {
     }
 }
 
-/// What shaders bind for a union of ellipsoids, in the order of `shaders/medium/ellipsoids.wgsl`.
-pub(crate) fn bind_ellipsoids(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    ellipsoids: &[EllipsoidUniform],
-    species: &[SpeciesUniform],
-    noise: &NoiseFrame,
-    noise_volume: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    let buffers = [
-        gpu::storage_buffer(device, "ellipsoids", ellipsoids),
-        gpu::storage_buffer(device, "species", species),
-        gpu::uniform_buffer(device, "noise frame", noise),
-    ];
-    let repeat = gpu::linear_repeat(device);
-    let mut resources: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_entire_binding())).collect();
-    resources.push(Some(wgpu::BindingResource::TextureView(noise_volume)));
-    resources.push(Some(wgpu::BindingResource::Sampler(&repeat)));
-    gpu::bind_group(device, "medium", layout, &resources)
+/// What every module of a medium binds: the noise and the table of species.
+pub(crate) struct Common {
+    species: wgpu::Buffer,
+    noise: wgpu::Buffer,
+    noise_volume: wgpu::TextureView,
+    repeat: wgpu::Sampler,
+}
+
+impl Common {
+    pub fn new(
+        device: &wgpu::Device,
+        species: &[SpeciesUniform],
+        noise: &NoiseFrame,
+        noise_volume: wgpu::TextureView,
+    ) -> Self {
+        Self {
+            species: gpu::storage_buffer(device, "species", species),
+            noise: gpu::uniform_buffer(device, "noise frame", noise),
+            noise_volume,
+            repeat: gpu::linear_repeat(device),
+        }
+    }
+
+    /// A group in which `first` is binding 0, what is here follows, then `rest`.
+    fn group(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        first: &wgpu::Buffer,
+        rest: &[wgpu::BindingResource<'_>],
+    ) -> wgpu::BindGroup {
+        let mut resources: Vec<_> =
+            [first, &self.species, &self.noise].map(|buffer| Some(buffer.as_entire_binding())).into();
+        resources.push(Some(wgpu::BindingResource::TextureView(&self.noise_volume)));
+        resources.push(Some(wgpu::BindingResource::Sampler(&self.repeat)));
+        resources.extend(rest.iter().cloned().map(Some));
+        gpu::bind_group(device, "medium", layout, &resources)
+    }
+
+    /// For `shaders/medium/ellipsoids.wgsl`.
+    pub fn bind_ellipsoids(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        ellipsoids: &[EllipsoidUniform],
+    ) -> wgpu::BindGroup {
+        self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &[])
+    }
+
+    /// For `shaders/medium/depth_volume.wgsl`.
+    pub fn bind_depths(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        volume: &DepthVolume,
+    ) -> wgpu::BindGroup {
+        let sampler = gpu::linear_clamp(device);
+        let rest = [
+            wgpu::BindingResource::TextureView(&volume.index),
+            wgpu::BindingResource::TextureView(&volume.atlas),
+            wgpu::BindingResource::Sampler(&sampler),
+        ];
+        self.group(device, layout, &volume.uniform, &rest)
+    }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{EllipsoidUniform, NoiseFrame, Species, SpeciesUniform, bind_ellipsoids, upload_noise};
+use super::{Common, EllipsoidUniform, NoiseFrame, Species, SpeciesUniform, upload_noise};
 use crate::{
     frame::{Frame, Shared},
     gpu::{Gpu, view},
@@ -40,6 +40,7 @@ impl World {
     pub fn bind(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let species: Vec<SpeciesUniform> = self.species.iter().map(|species| species.uniform()).collect();
         let noise_volume = view(&upload_noise(&gpu.device, &gpu.queue, self.seed));
-        bind_ellipsoids(&gpu.device, layout, &self.ellipsoids, &species, &self.noise, &noise_volume)
+        let common = Common::new(&gpu.device, &species, &self.noise, noise_volume);
+        common.bind_ellipsoids(&gpu.device, layout, &self.ellipsoids)
     }
 }

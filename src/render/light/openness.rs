@@ -28,7 +28,7 @@ impl OpennessPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &mut Media,
+        media: &Media,
         key: &BoxKey,
     ) -> Openness {
         let device = inputs.device;

@@ -169,7 +169,7 @@ impl LightPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &mut Media,
+        media: &Media,
         wanted: Wanted,
         before: Option<CloudLight>,
         redone: &mut u32,

@@ -61,7 +61,7 @@ impl LightStore {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &mut Media,
+        media: &Media,
         frame: &Frame,
         quality: &Quality,
         in_view: &[bool],

@@ -86,7 +86,7 @@ impl SunPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &mut Media,
+        media: &Media,
         key: &SunKey,
     ) -> SunVolume {
         let device = inputs.device;

@@ -19,11 +19,13 @@ pub struct Counts {
     pub map_reads: u64,
     /// Ellipsoids that a ray or a point was compared with.
     pub ellipsoids: u64,
+    /// Reads of a baked volume of depths, and of its index.
+    pub volume_reads: u64,
 }
 
 impl Counts {
     /// Names and numbers, in order.
-    pub fn named(&self) -> [(&'static str, u64); 7] {
+    pub fn named(&self) -> [(&'static str, u64); 8] {
         [
             ("rays", self.rays),
             ("rays that hit", self.rays_hit),
@@ -32,11 +34,12 @@ impl Counts {
             ("noise reads", self.noise_reads),
             ("map reads", self.map_reads),
             ("ellipsoids", self.ellipsoids),
+            ("volume reads", self.volume_reads),
         ]
     }
 }
 
-const COUNTERS: usize = 7;
+const COUNTERS: usize = 8;
 
 /// The buffer that the shader counts in.
 pub(in crate::render) struct Counters(wgpu::Buffer);
@@ -65,6 +68,7 @@ impl Counters {
             noise_reads: total(4),
             map_reads: total(5),
             ellipsoids: total(6),
+            volume_reads: total(7),
         })
     }
 }

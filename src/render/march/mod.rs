@@ -12,9 +12,9 @@ use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
 pub use counts::Counts;
-pub(super) use tiles::Cover;
 #[cfg(test)]
 pub(crate) use tiles::Tile;
+pub(super) use tiles::{Cover, MANY};
 
 use super::{
     SceneDepth, Settings, Transport,
@@ -160,7 +160,7 @@ impl March {
         shared: &View<'_>,
         clouds: &[usize],
         covers: &[Cover],
-        media: &mut Media,
+        media: &Media,
         lights: &mut LightStore,
     ) -> Vec<Draw> {
         let frame = shared.frame;
@@ -194,7 +194,7 @@ impl March {
         buffers: [&wgpu::Buffer; 2],
         packed: Packed,
         cover: &Cover,
-        media: &mut Media,
+        media: &Media,
         light: &mut super::light::CloudLight,
     ) -> Option<Draw> {
         let role = media.role(&cloud.medium);

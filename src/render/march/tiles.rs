@@ -9,8 +9,8 @@ use crate::frame::{CameraUniform, medium::EllipsoidUniform};
 const TILE: u32 = 16;
 /// Quarters of a tile are tiles of their own where one of them is empty, and quarters of those.
 const SMALL: u32 = TILE / 2;
-/// Where a tile sees more ellipsoids than these, it is cut down to this size, pixels.
-const MANY: usize = 64;
+/// Where a tile sees more ellipsoids than these, which its rays ask, it is cut down to [`SMALLEST`].
+pub(in crate::render) const MANY: usize = 64;
 const SMALLEST: u32 = 4;
 
 /// `Tile` of `shaders/clouds.wgsl`.
@@ -31,8 +31,9 @@ pub struct Cover {
 }
 
 impl Cover {
-    /// Covers the picture of `camera`, which is at `eye` in the cloud's frame.
-    pub fn new(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform]) -> Self {
+    /// Covers the picture of `camera`, which is at `eye` in the cloud's frame. Tiles that see more than
+    /// `many` ellipsoids are the smallest.
+    pub fn new(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform], many: usize) -> Self {
         let mut cover = Self::default();
         let size = UVec2::new(camera.size[0] as u32, camera.size[1] as u32);
         // A wedge between four planes bounds a part of an equirectangular picture only
@@ -42,7 +43,12 @@ impl Cover {
         for y in (0..size.y).step_by(start.y as usize) {
             for x in (0..size.x).step_by(start.x as usize) {
                 let corner = UVec2::new(x, y);
-                cover.split(&View { camera, eye, ellipsoids }, corner, (corner + start).min(size), &all);
+                cover.split(
+                    &View { camera, eye, ellipsoids, many },
+                    corner,
+                    (corner + start).min(size),
+                    &all,
+                );
             }
         }
         cover
@@ -58,7 +64,7 @@ impl Cover {
         }
         let size = max - min;
         let widest = size.max_element();
-        if widest > TILE || (widest > SMALLEST && near.len() > MANY) {
+        if widest > TILE || (widest > SMALLEST && near.len() > view.many) {
             for (a, b) in quarters(min, max, if widest > TILE { TILE } else { SMALLEST }) {
                 self.split(view, a, b, &near);
             }
@@ -98,6 +104,7 @@ struct View<'a> {
     camera: &'a CameraUniform,
     eye: Vec3,
     ellipsoids: &'a [EllipsoidUniform],
+    many: usize,
 }
 
 /// Everything that a rectangle of the picture can see: inside four planes and in front.
@@ -224,7 +231,7 @@ mod tests {
             for eye in eyes.map(DVec3::from) {
                 let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 20.0, projection };
                 let camera = CameraUniform::new(&camera, 0.0, size);
-                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids);
+                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids, MANY);
                 for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
                     let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
                     let ray = camera.ray(uv);
@@ -248,7 +255,7 @@ mod tests {
         let camera =
             Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
-        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids());
+        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), MANY);
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();
         assert!((100..8000).contains(&pixels), "{pixels} of two million");
     }

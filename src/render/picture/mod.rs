@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::{
     Counts, Settings,
     light::{Inputs, LightStore},
-    march::{Counters, Cover, Draw, March, Variant, View},
+    march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
     sky::Sky,
 };
@@ -198,6 +198,16 @@ impl Renderer {
         self.march.variants()
     }
 
+    /// How many clouds' volumes of depths this renderer has baked so far: one a shape.
+    pub fn volumes_baked(&self) -> u32 {
+        self.media.baked
+    }
+
+    /// Memory of the volumes of depths, bytes.
+    pub fn volume_bytes(&self) -> u64 {
+        self.media.bytes()
+    }
+
     /// Clouds of the last picture that wait for their light: see [`Settings::lights_at_once`].
     pub fn lights_waiting(&self) -> u32 {
         self.lights.waiting
@@ -213,7 +223,7 @@ impl Renderer {
         if self.settings.counting {
             self.counters.clear(encoder);
         }
-        self.media.begin();
+        self.media.begin(self.settings.bake_from);
         self.prepare_sky(encoder, frame);
         self.prepare_lights(encoder, frame, flush);
     }
@@ -226,11 +236,17 @@ impl Renderer {
 
     /// Finds where the clouds are in the picture, and makes the light of those that are.
     fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
+        let media = &self.media;
         let cover = |cloud: &CloudFrame| {
             let eye = (frame.camera_position - cloud.origin).as_vec3();
-            Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids)
+            let many = if media.is_baked(&cloud.medium) { usize::MAX } else { MANY };
+            Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many)
         };
         self.covers = frame.clouds.par_iter().map(cover).collect();
+        let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
+        for (cloud, _) in frame.clouds.iter().zip(&in_view).filter(|(_, seen)| **seen) {
+            self.media.prepare(encoder, &cloud.medium);
+        }
         let inputs = Inputs {
             device: &self.device,
             to_sun: frame.sun.to_sun,
@@ -239,9 +255,8 @@ impl Renderer {
             sky: &self.sky,
             timing: self.timing.as_ref(),
         };
-        let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
         let Settings { quality, lights_at_once, .. } = &self.settings;
-        let media = &mut self.media;
+        let media = &self.media;
         self.lights.prepare(encoder, &inputs, media, frame, quality, &in_view, *lights_at_once, flush);
     }
 
@@ -258,7 +273,7 @@ impl Renderer {
         order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
         let (settings, sky, counters) = (&self.settings, &self.sky, &self.counters);
         let view = View { frame, settings, depth, sky, counters, entry, format };
-        self.march.prepare(&view, &order, &self.covers, &mut self.media, &mut self.lights)
+        self.march.prepare(&view, &order, &self.covers, &self.media, &mut self.lights)
     }
 
     /// Begins a pass over what `targets` hold.
