@@ -111,6 +111,8 @@ pub(super) struct Painter {
 pub(super) struct Job<'a> {
     /// What it shows, at its own time.
     pub scene: &'a Scene,
+    /// The same as the device takes it: [`PictureOptions::frame`].
+    pub frame: Frame,
     pub output: &'a Path,
     /// Whether a path traced picture goes on with what `output` holds.
     pub resume: bool,
@@ -203,7 +205,7 @@ impl PictureOptions {
     /// Draws a picture and writes it, whole or not at all.
     ///
     /// # Errors
-    /// Where the scene, the device or the file are not good.
+    /// Where the device or the file are not good.
     pub fn draw_to_file(
         &self,
         painter: &mut Painter,
@@ -213,8 +215,8 @@ impl PictureOptions {
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", job.output.display()));
         if self.layers {
-            let frame = self.frame(job.scene)?;
-            let layers = painter.renderer.render_layers(&painter.gpu, &frame, progress).map_err(unwritten)?;
+            let layers =
+                painter.renderer.render_layers(&painter.gpu, &job.frame, progress).map_err(unwritten)?;
             let n = self.rays_across() as usize;
             export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
             return Ok(None);
@@ -230,16 +232,15 @@ impl PictureOptions {
     /// Draws a picture; writes nothing but what a path traced one keeps on the way.
     ///
     /// # Errors
-    /// Where the scene or the device are not good.
+    /// Where the device is not good, or the picture to go on with.
     pub fn draw(&self, painter: &mut Painter, job: &Job<'_>, progress: &mut dyn FnMut(f64)) -> Result<Drawn> {
         if self.traces_paths() {
             return self.trace(painter, job, progress);
         }
-        let frame = self.frame(job.scene)?;
-        let linear = painter.renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let linear = painter.renderer.picture("linear", job.frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };
-        painter.renderer.render_in_pieces(&painter.gpu, &frame, &target, progress)?;
+        painter.renderer.render_in_pieces(&painter.gpu, &job.frame, &target, progress)?;
         let picture = Picture::read(&painter.gpu, &linear)?.reduced(self.rays_across() as usize);
         Ok(Drawn { picture, estimate: None, stopped: false })
     }
@@ -337,7 +338,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("frame.0001.png");
         let scene = Preset::Sphere.scene(1);
-        let job = Job { scene: &scene, output: &output, resume: false, keep: false, notes: Notes::default() };
+        let frame = options.frame(&scene).unwrap();
+        let notes = Notes::default();
+        let job = Job { scene: &scene, frame, output: &output, resume: false, keep: false, notes };
         options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap();
         let whole = std::fs::read(&output).unwrap();
         painter.gpu.device.destroy();

@@ -92,7 +92,7 @@ impl Render {
             scene = scene.seen_by(camera_of(file)?);
         }
         // What is wrong with the scene is told before an adapter is looked for.
-        self.picture.frame(&scene)?;
+        let frame = self.picture.frame(&scene)?;
         let mut painter = self.picture.painter()?;
         painter.count(self.stats);
         let started = Instant::now();
@@ -100,6 +100,7 @@ impl Render {
         let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
         let job = Job {
             scene: &scene,
+            frame,
             output: &self.output,
             resume: self.resume,
             keep: true,
