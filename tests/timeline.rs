@@ -334,8 +334,11 @@ fn a_moment_of_a_scene_that_is_not_valid_ends_in_the_sentence_of_validation() {
         keyed("clouds[0].name", 0.6),
         keyed("time", 0.6),
         keyed("clouds[9].edge.wispiness", 0.6),
-        // What a gale did before counts: clouds are where it brought them.
-        keyed("wind.velocity[0]", 1e300),
+        // A gale that is over counts: clouds are where it brought them.
+        scene(vec![track(
+            "wind.velocity[0]",
+            &[key(0.0, 1e300, Interpolation::Step), key(0.25, 5.0, Interpolation::Linear)],
+        )]),
         scene(vec![track("exposure", &[])]),
         scene(vec![track("exposure", &[Key::new(5.0, 0.5), Key::new(1.0, 0.5)])]),
     ];
