@@ -24,15 +24,15 @@ pub struct PictureOptions {
     /// Height, pixels.
     #[arg(long, default_value_t = 540, value_parser = clap::value_parser!(u32).range(1..=8192))]
     pub(super) height: u32,
-    /// How much work to put in.
-    #[arg(long, value_enum, default_value_t = QualityName::Final)]
-    quality: QualityName,
+    /// How much work to put in: final where left out. Path traced pictures have no quality.
+    #[arg(long, value_enum)]
+    quality: Option<QualityName>,
     /// How light inside clouds is found.
     #[arg(long, value_enum, default_value_t = TransportName::Moments)]
     transport: TransportName,
-    /// Where slab-kol and slab-bouthors take their light from; the others do not ask.
-    #[arg(long, value_enum, default_value_t = SlabTableName::Functions)]
-    slab_table: SlabTableName,
+    /// Where slab-kol and slab-bouthors take their light from: functions where left out.
+    #[arg(long, value_enum)]
+    slab_table: Option<SlabTableName>,
     /// Samples of each pixel, for `--transport path`: 96 where nothing else ends the picture.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
     pub(super) spp: Option<u32>,
@@ -42,7 +42,8 @@ pub struct PictureOptions {
     /// Time after which the picture is written as it is, for `--transport path`.
     #[arg(long, value_name = "S", value_parser = above_zero)]
     pub(super) seconds: Option<f64>,
-    /// Rays across each pixel, for smooth edges: 2 in final quality, else 1.
+    /// Rays across each pixel, for smooth edges; where left out, 2 in final quality and else 1. The picture
+    /// may have 8192 rays across.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     supersample: Option<u32>,
     /// Write the layers that the beauty is made of beside it (EXR only).
@@ -91,6 +92,14 @@ enum SlabTableName {
     Functions,
     /// A table of their light itself.
     Direct,
+}
+
+/// Largest edge of a texture everywhere, pixels; no picture is larger.
+const MOST_ACROSS: u32 = 8192;
+
+/// A value as the command line writes it.
+pub(super) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// A number above zero.
@@ -144,19 +153,66 @@ impl PictureOptions {
     /// # Errors
     /// Where words do not go together, or a table that is needed is damaged.
     pub fn check(&self, format: Format) -> Result<()> {
-        let refuse = |problem: &str| Err(Error::Argument(problem.to_owned()));
-        if self.layers && self.traces_paths() {
-            return refuse("--layers and --transport path don't go together: leave one out");
-        }
         if self.layers && format != Format::Exr {
-            return refuse("--layers needs an output that ends in .exr");
+            return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        let words = [("--noise", self.noise.is_some()), ("--seconds", self.seconds.is_some())];
-        if let Some((word, _)) = words.into_iter().find(|(_, given)| *given && !self.traces_paths()) {
-            return refuse(&format!("{word} is for --transport path: add that or leave it out"));
-        }
+        self.check_transport()?;
+        self.check_rays()?;
         // A damaged table is told before anything is drawn.
         tables::slab_moments().map(drop)
+    }
+
+    /// No word may be without effect where light is found in this way.
+    fn check_transport(&self) -> Result<()> {
+        let refuse = |problem: String| Err(Error::Argument(problem));
+        let of_paths = [
+            self.spp.map(|spp| format!("--spp {spp}")),
+            self.noise.map(|noise| format!("--noise {noise}")),
+            self.seconds.map(|seconds| format!("--seconds {seconds}")),
+        ];
+        let of_others = [
+            self.layers.then(|| "--layers".to_owned()),
+            self.quality.map(|quality| format!("--quality {}", word(quality))),
+            self.supersample.map(|rays| format!("--supersample {rays}")),
+        ];
+        let first = |words: [Option<String>; 3]| words.into_iter().flatten().next();
+        match (first(of_paths), first(of_others)) {
+            (Some(given), _) if !self.traces_paths() => {
+                refuse(format!("{given} is for --transport path: add that or leave it out"))
+            }
+            (_, Some(given)) if self.traces_paths() => refuse(format!(
+                "{given} and --transport path don't go together: leave one out; how well paths are traced is \
+                 told by --spp, --noise or --seconds"
+            )),
+            _ => self.check_slab_table(),
+        }
+    }
+
+    fn check_slab_table(&self) -> Result<()> {
+        match (self.slab_table, self.transport) {
+            (None, _) | (_, TransportName::SlabKol | TransportName::SlabBouthors) => Ok(()),
+            (Some(table), transport) => Err(Error::Argument(format!(
+                "--slab-table {} is for --transport slab-kol and slab-bouthors, not for {}: leave it out",
+                word(table),
+                word(transport)
+            ))),
+        }
+    }
+
+    /// As many rays as were asked for must go into one texture.
+    fn check_rays(&self) -> Result<()> {
+        match self.supersample {
+            Some(rays) if rays > self.most_rays() => Err(Error::Argument(format!(
+                "--supersample {rays} of {}x{} pixels makes {} rays across, and {MOST_ACROSS} is the most: give \
+                 --supersample {}, or a picture of at most {} pixels across",
+                self.width,
+                self.height,
+                rays * self.width.max(self.height),
+                self.most_rays(),
+                MOST_ACROSS / rays
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Opens the adapter.
@@ -179,7 +235,7 @@ impl PictureOptions {
 
     fn renderer(&self, gpu: &Gpu) -> Renderer {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-        renderer.quality = match self.quality {
+        renderer.quality = match self.quality() {
             QualityName::Draft => Quality::DRAFT,
             QualityName::Preview => Quality::PREVIEW,
             QualityName::Final => Quality::FINAL,
@@ -196,8 +252,8 @@ impl PictureOptions {
             TransportName::Moments | TransportName::Path => Transport::Moments,
         };
         renderer.slab_table = match self.slab_table {
-            SlabTableName::Functions => SlabTable::Functions,
-            SlabTableName::Direct => SlabTable::Direct,
+            None | Some(SlabTableName::Functions) => SlabTable::Functions,
+            Some(SlabTableName::Direct) => SlabTable::Direct,
         };
         renderer
     }
@@ -264,15 +320,33 @@ impl PictureOptions {
         }
     }
 
-    /// As asked for; by default what the quality wants and 8192 pixels allow.
+    /// Puts in what was left out, so that the same picture is asked for by the same words.
+    pub(super) fn fill_in(&mut self) {
+        if !self.traces_paths() {
+            (self.quality, self.supersample) = (Some(self.quality()), Some(self.rays_across()));
+        }
+        if matches!(self.transport, TransportName::SlabKol | TransportName::SlabBouthors) {
+            self.slab_table.get_or_insert(SlabTableName::Functions);
+        }
+    }
+
+    fn quality(&self) -> QualityName {
+        self.quality.unwrap_or(QualityName::Final)
+    }
+
+    /// As asked for; by default what the quality wants and a texture holds.
     fn rays_across(&self) -> u32 {
-        let most = (8192 / self.width.max(self.height)).max(1);
-        match (self.supersample, self.quality) {
+        match (self.supersample, self.quality()) {
             _ if self.traces_paths() => 1,
-            (Some(n), _) => n.min(most),
-            (None, QualityName::Final) => most.min(2),
+            (Some(rays), _) => rays,
+            (None, QualityName::Final) => self.most_rays().min(2),
             (None, _) => 1,
         }
+    }
+
+    /// Rays across a pixel of which a texture holds the whole picture's.
+    fn most_rays(&self) -> u32 {
+        MOST_ACROSS / self.width.max(self.height)
     }
 
     pub(super) fn traces_paths(&self) -> bool {

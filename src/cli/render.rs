@@ -86,6 +86,7 @@ impl Render {
         let format = Format::of(&self.output)?;
         self.picture.check(format)?;
         self.check_resuming(format)?;
+        self.check_counting()?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
         if let Some(file) = &self.camera {
@@ -123,6 +124,17 @@ impl Render {
             _ => return Ok(()),
         };
         Err(Error::Argument(problem))
+    }
+
+    /// What is counted and timed are the passes of the renderer.
+    fn check_counting(&self) -> Result<()> {
+        if self.stats && self.picture.traces_paths() {
+            return Err(Error::Argument(
+                "--stats tells the work of the renderer, and --transport path does without it: leave one out"
+                    .to_owned(),
+            ));
+        }
+        Ok(())
     }
 
     fn tell(&self, painter: &Painter, traced: Option<&Estimate>, seconds: f64) -> Result<()> {
