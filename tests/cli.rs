@@ -171,6 +171,55 @@ fn bad_input_ends_in_a_sentence_and_writes_nothing() {
 }
 
 #[test]
+fn options_that_cannot_be_obeyed_are_refused_with_the_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, picture) = (in_folder(&folder, "scene.json"), in_folder(&folder, "out.exr"));
+    fs::write(&scene, SMALL).unwrap();
+    let cases: [(&str, &[&str]); 9] = [
+        (
+            "--width 4096 --height 16 --supersample 8",
+            &[
+                "--supersample 8 of 4096x16 pixels",
+                "32768 rays across",
+                "--supersample 2",
+                "at most 1024 pixels",
+            ],
+        ),
+        ("--width 16 --height 8192 --supersample 2", &["16384 rays across", "--supersample 1"]),
+        ("--transport path --supersample 2", &["--supersample 2 and --transport path", "--spp"]),
+        ("--transport path --quality draft", &["--quality draft and --transport path", "--spp"]),
+        ("--transport path --layers", &["--layers and --transport path"]),
+        ("--transport path --stats", &["--stats", "--transport path", "leave one out"]),
+        ("--spp 12", &["--spp 12 is for --transport path"]),
+        ("--seconds 5", &["--seconds 5 is for --transport path"]),
+    ];
+    for (words, fragments) in cases {
+        let mut all = vec!["render", scene.as_str(), "-o", picture.as_str()];
+        all.extend(words.split_whitespace());
+        let text = complaint(&all, 1);
+        for fragment in fragments {
+            assert!(text.contains(fragment), "{words}: {text}");
+        }
+    }
+    assert!(!Path::new(&picture).exists());
+}
+
+#[test]
+fn as_many_rays_are_drawn_as_were_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let rays = |words: &str| {
+        let words = format!("--width 16 --height 9 --transport single --stats --json {words}");
+        let report: serde_json::Value =
+            serde_json::from_str(&render_small(&folder, "cloud.png", &words).1).unwrap();
+        report["counts"]["rays"].as_u64().unwrap()
+    };
+    // Four times as many, but that tiles without a cloud are left out more closely.
+    let [four, eight] = ["4", "8"].map(|rays_across| rays(&format!("--supersample {rays_across}")));
+    assert!(eight > 2 * four, "{four} {eight}");
+    assert_eq!(rays("--quality final"), rays("--quality final --supersample 2"));
+}
+
+#[test]
 fn no_adapter_ends_in_a_sentence_that_helps() {
     let folder = tempfile::tempdir().unwrap();
     let scene = in_folder(&folder, "scene.json");
@@ -303,7 +352,7 @@ fn only_the_same_picture_is_resumed() {
     complain(&scene, &half, path, "no path traced picture");
     complain(&scene, &in_folder(&folder, "truth.png"), path, "ends in .exr");
     complain(&scene, &picture, "--resume", "--resume is for --transport path");
-    complain(&scene, &picture, "--noise 0.1", "--noise is for --transport path");
+    complain(&scene, &picture, "--noise 0.1", "--noise 0.1 is for --transport path");
 }
 
 #[test]

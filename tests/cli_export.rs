@@ -128,6 +128,7 @@ fn what_cannot_be_is_refused_in_words() {
         ("export volume scene.json -o a.vdb --voxel 0.0001", "make them larger"),
         ("export volume scene.json -o missing/a.vdb --voxel 20", "no folder"),
         ("export sky scene.json -o a.ktx2 --size 10", "no multiple of 4"),
+        ("export sky scene.json -o a.ktx2 --layout strip", "--layout strip is not for .ktx2 files"),
         ("export shadow scene.json -o a.exr --center 3", "2 numbers"),
         ("export flipbook scene.json -o a.png --cloud two", "`one`"),
         ("export sixway scene.json -o a.png --tile 4096 --frames 9", "fewer or smaller"),

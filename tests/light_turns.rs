@@ -104,3 +104,51 @@ fn light_of_another_model_does_not_stand_in() {
     assert_eq!(some.lights_waiting(), 3);
     assert!(picture.pixels.iter().all(|pixel| pixel[3] == 0.0));
 }
+
+/// A small cloud in the middle of a wide thin one, seen from `east` metres beside them.
+fn concentric(east: f64) -> Scene {
+    let mut scene = scene(
+        r#"{"clouds": [
+            {"ellipsoids": [{"center": [0, 900, 0], "radii": [60, 60, 60]}]},
+            {"ellipsoids": [{"center": [0, 900, 0], "radii": [300, 80, 300], "density": 0.02}]}],
+        "camera": {"position": [0, 900, 1200], "target": [0, 900, 0]}}"#,
+    );
+    let camera = scene.camera.as_mut().unwrap();
+    camera.position.x += east;
+    camera.target.x += east;
+    scene
+}
+
+#[test]
+fn clouds_with_one_middle_keep_their_light_while_the_camera_moves() {
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    let made = some.light_updates();
+    for east in [1.0, 2.0, 3.0] {
+        drawn(&mut some, &concentric(east));
+        assert_eq!(some.light_updates(), made, "{east} m to the east");
+    }
+}
+
+#[test]
+fn clouds_with_one_middle_wait_for_no_turn_and_are_lit_by_their_own_light() {
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    some.lights_at_once = 0;
+    let picture = drawn(&mut some, &concentric(0.0));
+    assert_eq!(some.lights_waiting(), 0);
+    assert_eq!(picture.pixels, drawn(&mut at_once(u32::MAX), &concentric(0.0)).pixels);
+}
+
+#[test]
+fn of_clouds_with_one_middle_one_may_be_out_of_view() {
+    // The small one leaves the picture by its edge; the wide one reaches into it.
+    let beside = 850.0;
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    let made = some.light_updates();
+    for east in [beside, beside + 1.0, beside + 2.0, 0.0] {
+        drawn(&mut some, &concentric(east));
+        assert_eq!(some.light_updates(), made, "{east} m to the east");
+    }
+}

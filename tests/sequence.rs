@@ -53,7 +53,9 @@ impl Place {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nephos"));
         command.arg("sequence").arg(self.path("scene.json")).arg("-o").arg(self.path(output));
         command.args(words.split_whitespace()).arg("--json");
-        let usual = USUAL.iter().filter(|(word, _)| !words.contains(word));
+        // Path traced pictures have no quality.
+        let set = |word: &str| words.contains(word) || (word == "--quality" && words.contains("path"));
+        let usual = USUAL.iter().filter(|(word, _)| !set(word));
         command.args(usual.flat_map(|(word, value)| [word, value]));
         if let Ok(name) = std::env::var("NEPHOS_ADAPTER") {
             command.args(["--adapter", &name]);
@@ -199,6 +201,15 @@ fn path_traced_frames_are_kept_only_when_done() {
     assert_eq!(counts(&place.report("t.#.exr", words)), [2, 2, 0, 0]);
     assert_eq!(counts(&place.report("t.#.exr", words)), [2, 0, 2, 0]);
     assert_eq!(counts(&place.report("t.#.exr", &words.replace("spp 3", "spp 4"))), [2, 2, 0, 0]);
+}
+
+#[test]
+fn what_was_left_out_and_what_says_the_same_are_one_picture() {
+    let place = Place::of(&looping());
+    let drawn = |words: &str| counts(&place.report("f.##.png", &format!("--frames 1-2 {words}")))[1];
+    assert_eq!(drawn("--transport slab-kol"), 2);
+    assert_eq!(drawn("--transport slab-kol --supersample 1"), 0);
+    assert_eq!(drawn("--transport slab-kol --supersample 2"), 2);
 }
 
 #[test]

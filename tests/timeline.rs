@@ -322,6 +322,39 @@ fn curves_that_together_make_no_scene_are_told_with_the_moment() {
     assert!(text.starts_with("camera.target") && text.contains("at 4 seconds"), "{text}");
 }
 
+#[test]
+fn a_moment_of_a_scene_that_is_not_valid_ends_in_the_sentence_of_validation() {
+    let at = |scene: &Scene| scene.at(0.5).unwrap_err().to_string();
+    let keyed =
+        |path: &str, value: f64| scene(vec![track(path, &[Key::new(0.0, 0.5), Key::new(1.0, value)])]);
+    let mut cases = vec![
+        keyed("clouds[0].edge.wispines", 0.6),
+        keyed("clouds[0].edge.wispiness", f64::NAN),
+        keyed("clouds[0].edge.wispiness", 1e9),
+        keyed("clouds[0].name", 0.6),
+        keyed("time", 0.6),
+        keyed("clouds[9].edge.wispiness", 0.6),
+        // A gale that is over counts: clouds are where it brought them.
+        scene(vec![track(
+            "wind.velocity[0]",
+            &[key(0.0, 1e300, Interpolation::Step), key(0.25, 5.0, Interpolation::Linear)],
+        )]),
+        scene(vec![track("exposure", &[])]),
+        scene(vec![track("exposure", &[Key::new(5.0, 0.5), Key::new(1.0, 0.5)])]),
+    ];
+    for length in [0.0, f64::NAN, f64::INFINITY, -1.0] {
+        let mut odd = looping();
+        odd.timeline.as_mut().unwrap().length = length;
+        cases.push(odd);
+    }
+    let mut flat = looping();
+    flat.clouds[0].ellipsoids[0].radii.x = f64::NAN;
+    cases.push(flat);
+    for case in &cases {
+        assert_eq!(at(case), complaint(case));
+    }
+}
+
 // --- Moments ------------------------------------------------------------------------
 
 #[test]

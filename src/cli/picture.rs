@@ -12,7 +12,6 @@ use crate::{
     reference::Estimate,
     render::{Frame, Quality, Renderer, Target, Transport},
     scene::Scene,
-    tables,
 };
 
 /// What a picture is like.
@@ -24,9 +23,9 @@ pub struct PictureOptions {
     /// Height, pixels.
     #[arg(long, default_value_t = 540, value_parser = clap::value_parser!(u32).range(1..=8192))]
     pub(super) height: u32,
-    /// How much work to put in.
-    #[arg(long, value_enum, default_value_t = QualityName::Final)]
-    quality: QualityName,
+    /// How much work to put in: final where left out. Path traced pictures have no quality.
+    #[arg(long, value_enum)]
+    quality: Option<QualityName>,
     /// How light inside clouds is found.
     #[arg(long, value_enum, default_value_t = TransportName(Some(Transport::default())))]
     transport: TransportName,
@@ -39,7 +38,8 @@ pub struct PictureOptions {
     /// Time after which the picture is written as it is, for `--transport path`.
     #[arg(long, value_name = "S", value_parser = above_zero)]
     pub(super) seconds: Option<f64>,
-    /// Rays across each pixel, for smooth edges: 2 in final quality, else 1.
+    /// Rays across each pixel, for smooth edges; where left out, 2 in final quality and else 1. The picture
+    /// may have 8192 rays across.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     supersample: Option<u32>,
     /// Write the layers that the beauty is made of beside it (EXR only).
@@ -80,6 +80,14 @@ impl ValueEnum for TransportName {
     }
 }
 
+/// Largest edge of a texture everywhere, pixels; no picture is larger.
+const MOST_ACROSS: u32 = 8192;
+
+/// A value as the command line writes it.
+pub(super) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
 /// A number above zero.
 pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
     match text.parse() {
@@ -98,6 +106,8 @@ pub(super) struct Painter {
 pub(super) struct Job<'a> {
     /// What it shows, at its own time.
     pub scene: &'a Scene,
+    /// The same as the device takes it: [`PictureOptions::frame`].
+    pub frame: Frame,
     pub output: &'a Path,
     /// Whether a path traced picture goes on with what `output` holds.
     pub resume: bool,
@@ -127,21 +137,55 @@ impl PictureOptions {
     /// Whether such a picture can be drawn into a file of this format.
     ///
     /// # Errors
-    /// Where words do not go together, or a table that is needed is damaged.
+    /// Where words do not go together.
     pub fn check(&self, format: Format) -> Result<()> {
-        let refuse = |problem: &str| Err(Error::Argument(problem.to_owned()));
-        if self.layers && self.traces_paths() {
-            return refuse("--layers and --transport path don't go together: leave one out");
-        }
         if self.layers && format != Format::Exr {
-            return refuse("--layers needs an output that ends in .exr");
+            return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        let words = [("--noise", self.noise.is_some()), ("--seconds", self.seconds.is_some())];
-        if let Some((word, _)) = words.into_iter().find(|(_, given)| *given && !self.traces_paths()) {
-            return refuse(&format!("{word} is for --transport path: add that or leave it out"));
+        self.check_transport()?;
+        self.check_rays()
+    }
+
+    /// No word may be without effect where light is found in this way.
+    fn check_transport(&self) -> Result<()> {
+        let refuse = |problem: String| Err(Error::Argument(problem));
+        let of_paths = [
+            self.spp.map(|spp| format!("--spp {spp}")),
+            self.noise.map(|noise| format!("--noise {noise}")),
+            self.seconds.map(|seconds| format!("--seconds {seconds}")),
+        ];
+        let of_others = [
+            self.layers.then(|| "--layers".to_owned()),
+            self.quality.map(|quality| format!("--quality {}", word(quality))),
+            self.supersample.map(|rays| format!("--supersample {rays}")),
+        ];
+        let first = |words: [Option<String>; 3]| words.into_iter().flatten().next();
+        match (first(of_paths), first(of_others)) {
+            (Some(given), _) if !self.traces_paths() => {
+                refuse(format!("{given} is for --transport path: add that or leave it out"))
+            }
+            (_, Some(given)) if self.traces_paths() => refuse(format!(
+                "{given} and --transport path don't go together: leave one out; how well paths are traced is \
+                 told by --spp, --noise or --seconds"
+            )),
+            _ => Ok(()),
         }
-        // A damaged table is told before anything is drawn.
-        tables::slab_moments().map(drop)
+    }
+
+    /// As many rays as were asked for must go into one texture.
+    fn check_rays(&self) -> Result<()> {
+        match self.supersample {
+            Some(rays) if rays > self.most_rays() => Err(Error::Argument(format!(
+                "--supersample {rays} of {}x{} pixels makes {} rays across, and {MOST_ACROSS} is the most: give \
+                 --supersample {}, or a picture of at most {} pixels across",
+                self.width,
+                self.height,
+                rays * self.width.max(self.height),
+                self.most_rays(),
+                MOST_ACROSS / rays
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Opens the adapter.
@@ -164,7 +208,7 @@ impl PictureOptions {
 
     fn renderer(&self, gpu: &Gpu) -> Renderer {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-        renderer.settings.quality = match self.quality {
+        renderer.settings.quality = match self.quality() {
             QualityName::Draft => Quality::DRAFT,
             QualityName::Preview => Quality::PREVIEW,
             QualityName::Final => Quality::FINAL,
@@ -177,7 +221,7 @@ impl PictureOptions {
     /// Draws a picture and writes it, whole or not at all.
     ///
     /// # Errors
-    /// Where the scene, the device or the file are not good.
+    /// Where the device or the file are not good.
     pub fn draw_to_file(
         &self,
         painter: &mut Painter,
@@ -187,8 +231,8 @@ impl PictureOptions {
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", job.output.display()));
         if self.layers {
-            let frame = self.frame(job.scene)?;
-            let layers = painter.renderer.render_layers(&painter.gpu, &frame, progress).map_err(unwritten)?;
+            let layers =
+                painter.renderer.render_layers(&painter.gpu, &job.frame, progress).map_err(unwritten)?;
             let n = self.rays_across() as usize;
             export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
             return Ok(None);
@@ -204,16 +248,15 @@ impl PictureOptions {
     /// Draws a picture; writes nothing but what a path traced one keeps on the way.
     ///
     /// # Errors
-    /// Where the scene or the device are not good.
+    /// Where the device is not good, or the picture to go on with.
     pub fn draw(&self, painter: &mut Painter, job: &Job<'_>, progress: &mut dyn FnMut(f64)) -> Result<Drawn> {
         if self.traces_paths() {
             return self.trace(painter, job, progress);
         }
-        let frame = self.frame(job.scene)?;
-        let linear = painter.renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
+        let linear = painter.renderer.picture("linear", job.frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = linear.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: !self.transparent };
-        painter.renderer.render_in_pieces(&painter.gpu, &frame, &target, progress)?;
+        painter.renderer.render_in_pieces(&painter.gpu, &job.frame, &target, progress)?;
         let picture = Picture::read(&painter.gpu, &linear)?.reduced(self.rays_across() as usize);
         Ok(Drawn { picture, estimate: None, stopped: false })
     }
@@ -237,15 +280,30 @@ impl PictureOptions {
         }
     }
 
-    /// As asked for; by default what the quality wants and 8192 pixels allow.
+    /// Puts in what was left out, so that the same picture is asked for by the same words.
+    pub(super) fn fill_in(&mut self) {
+        if !self.traces_paths() {
+            (self.quality, self.supersample) = (Some(self.quality()), Some(self.rays_across()));
+        }
+    }
+
+    fn quality(&self) -> QualityName {
+        self.quality.unwrap_or(QualityName::Final)
+    }
+
+    /// As asked for; by default what the quality wants and a texture holds.
     fn rays_across(&self) -> u32 {
-        let most = (8192 / self.width.max(self.height)).max(1);
-        match (self.supersample, self.quality) {
+        match (self.supersample, self.quality()) {
             _ if self.traces_paths() => 1,
-            (Some(n), _) => n.min(most),
-            (None, QualityName::Final) => most.min(2),
+            (Some(rays), _) => rays,
+            (None, QualityName::Final) => self.most_rays().min(2),
             (None, _) => 1,
         }
+    }
+
+    /// Rays across a pixel of which a texture holds the whole picture's.
+    fn most_rays(&self) -> u32 {
+        MOST_ACROSS / self.width.max(self.height)
     }
 
     pub(super) fn traces_paths(&self) -> bool {
@@ -311,7 +369,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("frame.0001.png");
         let scene = Preset::Sphere.scene(1);
-        let job = Job { scene: &scene, output: &output, resume: false, keep: false, notes: Notes::default() };
+        let frame = options.frame(&scene).unwrap();
+        let notes = Notes::default();
+        let job = Job { scene: &scene, frame, output: &output, resume: false, keep: false, notes };
         options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap();
         let whole = std::fs::read(&output).unwrap();
         painter.gpu.device.destroy();

@@ -86,13 +86,14 @@ impl Render {
         let format = Format::of(&self.output)?;
         self.picture.check(format)?;
         self.check_resuming(format)?;
+        self.check_counting()?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
         if let Some(file) = &self.camera {
             scene = scene.seen_by(camera_of(file)?);
         }
         // What is wrong with the scene is told before an adapter is looked for.
-        self.picture.frame(&scene)?;
+        let frame = self.picture.frame(&scene)?;
         let mut painter = self.picture.painter()?;
         painter.count(self.stats);
         let started = Instant::now();
@@ -100,6 +101,7 @@ impl Render {
         let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
         let job = Job {
             scene: &scene,
+            frame,
             output: &self.output,
             resume: self.resume,
             keep: true,
@@ -122,6 +124,17 @@ impl Render {
             _ => return Ok(()),
         };
         Err(Error::Argument(problem))
+    }
+
+    /// What is counted and timed are the passes of the renderer.
+    fn check_counting(&self) -> Result<()> {
+        if self.stats && self.picture.traces_paths() {
+            return Err(Error::Argument(
+                "--stats tells the work of the renderer, and --transport path does without it: leave one out"
+                    .to_owned(),
+            ));
+        }
+        Ok(())
     }
 
     fn tell(&self, painter: &Painter, traced: Option<&Estimate>, seconds: f64) -> Result<()> {

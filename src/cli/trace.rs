@@ -30,9 +30,9 @@ impl PictureOptions {
         job: &Job<'_>,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Drawn> {
-        let frame = self.frame(job.scene)?;
-        let sky = if self.transparent { None } else { Some(sky(painter, &frame)?) };
-        let mut tracer = PathTracer::new(&painter.gpu, &frame, 0)?;
+        let frame = &job.frame;
+        let sky = if self.transparent { None } else { Some(sky(painter, frame)?) };
+        let mut tracer = PathTracer::new(&painter.gpu, frame, 0)?;
         if job.resume && job.output.exists() {
             tracer = tracer.after(self.earlier(job)?)?;
         }

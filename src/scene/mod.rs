@@ -40,7 +40,6 @@ pub use tone::{Tone, ToneCurve};
 pub use wind::Wind;
 
 use crate::Result;
-use timeline::Owner;
 use validate::{At, Limits};
 
 /// The version of the scene format that this program reads and writes.
@@ -184,20 +183,6 @@ impl Scene {
             camera.check(at.field("camera"))?;
         }
         at.field("exposure").number(self.exposure, EXPOSURE)
-    }
-
-    /// Checks one object's own values.
-    fn check_owner(&self, owner: Owner) -> Result<()> {
-        let clouds = At::Root;
-        let clouds = clouds.field("clouds");
-        match owner {
-            Owner::Scene => self.check_world(),
-            Owner::Cloud(i) => self.clouds[i].check_own(clouds.index(i)),
-            Owner::Ellipsoid(i, j) => {
-                let cloud = clouds.index(i);
-                self.clouds[i].ellipsoids[j].check(cloud.field("ellipsoids").index(j))
-            }
-        }
     }
 
     fn check_format(&self, at: At) -> Result<()> {

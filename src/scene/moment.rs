@@ -14,7 +14,9 @@
 use glam::DVec3;
 
 use super::life::{self, smooth};
-use super::{Camera, Cloud, Ellipsoid, Scene, timeline};
+use super::timeline::{self, Curve};
+use super::validate::At;
+use super::{Camera, Cloud, Ellipsoid, Scene};
 use crate::Result;
 
 impl Scene {
@@ -22,12 +24,19 @@ impl Scene {
     /// lives and wind are applied; the camera is there, and is not that of the moved clouds where
     /// the scene has none.
     ///
+    /// It costs what moves in it: that other moments are good, too, [`Scene::validate`] tells.
+    ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) where the scene is not valid, or the curves together
-    /// make something of it that is not: a camera that runs into its target.
+    /// [`Error::Scene`](crate::Error::Scene) where the scene is not valid at this moment, or the
+    /// curves together make something of it that is not: a camera that runs into its target.
     pub fn at(&self, time: f64) -> Result<Self> {
-        self.validate()?;
-        let mut moment = self.posed(time);
+        // What is wrong with the scene at any time is told first.
+        self.moment(time).or_else(|error| self.validate().and(Err(error)))
+    }
+
+    fn moment(&self, time: f64) -> Result<Self> {
+        let mut moment = self.clone();
+        moment.follow_curves(time)?;
         moment.check_moment().map_err(|error| error.at_time(time))?;
         moment.camera = Some(self.camera.as_ref().map_or_else(|| self.camera(), |_| moment.camera()));
         moment.let_live_and_drift();
@@ -35,14 +44,32 @@ impl Scene {
         Ok(moment)
     }
 
+    /// Puts its own time to `time`, s, and all numbers to what curves say then.
+    fn follow_curves(&mut self, time: f64) -> Result<()> {
+        self.time = time;
+        let Some(timeline) = self.timeline.take() else { return Ok(()) };
+        let (root, time) = (At::Root, timeline.wrapped(time));
+        let at = root.field("timeline");
+        timeline.check_for_moment(self, at)?;
+        self.time = time;
+        let problem = |problem: String| at.problem(problem);
+        let numbers = timeline.numbers(self, time).collect::<std::result::Result<_, _>>().map_err(problem)?;
+        timeline::write(self, numbers).map_err(problem)?;
+        self.timeline = Some(timeline);
+        Ok(())
+    }
+
     /// The scene with the numbers that curves give them at `time`, s; everything else is as it
     /// was, and its time is that one. What an editor shows as values.
     pub fn posed(&self, time: f64) -> Self {
         let mut posed = Self { time, ..self.clone() };
         if let Some(timeline) = &self.timeline {
-            let time = timeline.wrapped(time);
-            posed.time = time;
-            timeline::pose(&mut posed, timeline, time);
+            posed.time = timeline.wrapped(time);
+            // A track that leads nowhere moves nothing: validation tells of it.
+            let numbers = timeline.numbers(self, posed.time).flatten().collect();
+            if let Err(problem) = timeline::write(&mut posed, numbers) {
+                tracing::warn!(problem, "a track could not be followed");
+            }
         }
         posed
     }
@@ -60,8 +87,8 @@ impl Scene {
     /// that is no more than what the wind brings back within a period.
     pub fn drift(&self) -> DVec3 {
         match self.period() {
-            Some(period) if self.drift_since_start(period) != DVec3::ZERO => DVec3::ZERO,
-            _ => self.drift_since_start(self.time),
+            Some(period) if Drift::of(self).since_start(period) != DVec3::ZERO => DVec3::ZERO,
+            _ => Drift::of(self).since_start(self.time),
         }
     }
 
@@ -69,21 +96,12 @@ impl Scene {
         self.timeline.as_ref().and_then(super::Timeline::period)
     }
 
-    /// Integral of the wind from 0 to `time`, m.
-    fn drift_since_start(&self, time: f64) -> DVec3 {
-        let along = |axis: usize| {
-            let curve = self.timeline.as_ref().and_then(|t| t.curve(&format!("wind.velocity[{axis}]")));
-            curve.map_or(self.wind.velocity[axis] * time, |curve| curve.integral(time))
-        };
-        DVec3::new(along(0), along(1), along(2))
-    }
-
     /// Clouds as they have become and where the wind has brought them at the scene's own time.
     fn let_live_and_drift(&mut self) {
         let (time, period) = (self.time, self.period());
-        let since_start = |time: f64| self.drift_since_start(time);
-        let mut clouds = self.clouds.clone();
-        for cloud in &mut clouds {
+        let wind = Drift::of(self);
+        let since_start = |time: f64| wind.since_start(time);
+        for cloud in &mut self.clouds {
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));
@@ -100,7 +118,30 @@ impl Scene {
                 (None, _) => blow(&mut cloud.ellipsoids, since_start(time)),
             }
         }
-        self.clouds = clouds;
+    }
+}
+
+/// How far the wind carries what drifts with it.
+struct Drift {
+    /// By axis: m/s over time, where they have a track.
+    curves: [Option<Curve>; 3],
+    /// Where they have none, m/s.
+    velocity: DVec3,
+}
+
+impl Drift {
+    fn of(scene: &Scene) -> Self {
+        let curve = |axis: usize| scene.timeline.as_ref()?.curve(&format!("wind.velocity[{axis}]"));
+        Self { curves: [0, 1, 2].map(curve), velocity: scene.wind.velocity }
+    }
+
+    /// Integral of the wind from 0 to `time`, s: m.
+    fn since_start(&self, time: f64) -> DVec3 {
+        let along = |axis: usize| {
+            let curve = self.curves[axis].as_ref();
+            curve.map_or(self.velocity[axis] * time, |curve| curve.integral(time))
+        };
+        DVec3::new(along(0), along(1), along(2))
     }
 }
 

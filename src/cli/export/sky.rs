@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::{Source, ending, shares};
+use super::{super::picture::word, Source, ending, shares};
 use crate::{
     Error, Result,
     export::{
@@ -27,9 +27,10 @@ pub struct Sky {
     /// with mip levels that GPUs take as it is.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// How the sphere is laid out; a .ktx2 file always holds the faces of a cube.
-    #[arg(long, value_enum, default_value_t = Layout::Equirectangular)]
-    layout: Layout,
+    /// How the sphere is laid out: equirectangular where left out, but a .ktx2 file always holds the faces
+    /// of a cube.
+    #[arg(long, value_enum)]
+    layout: Option<Layout>,
     /// Height of the map, pixels: a face's edge for cubes. 1024 for equirectangular maps, 512 for cubes.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(4..=4096))]
     size: Option<u32>,
@@ -48,9 +49,10 @@ enum Layout {
 impl Sky {
     pub(super) fn run(self) -> Result<()> {
         let kind = ending(&self.output, &["exr", "hdr", "png", "ktx2"])?;
+        let layout = self.layout(kind)?;
         let scene = self.source.scene()?;
         let mut studio = Studio::new(&self.source.gpu()?, 2, true);
-        if kind != "ktx2" && self.layout == Layout::Equirectangular {
+        if layout == Layout::Equirectangular {
             let map = equirectangular(&mut studio, &scene, self.size.unwrap_or(1024))?;
             return write(&self.output, kind, &mut studio, &scene, &map);
         }
@@ -59,12 +61,27 @@ impl Sky {
             return Err(Error::Argument(format!("--size {size} is no multiple of 4, as BC6H needs it")));
         }
         let faces = shares("rendering", |progress| cube_faces(&mut studio, &scene, size, progress))?;
-        match self.layout {
+        match layout {
             _ if kind == "ktx2" => write_ktx2(&self.output, &faces),
             Layout::Strip => write(&self.output, kind, &mut studio, &scene, &Picture::in_rows(&faces, 6)),
             _ => FACES.iter().zip(&faces).try_for_each(|((name, ..), face)| {
                 write(&self.output.with_extension(format!("{name}.{kind}")), kind, &mut studio, &scene, face)
             }),
+        }
+    }
+
+    /// As asked for, where a file of this kind can hold it.
+    fn layout(&self, kind: &str) -> Result<Layout> {
+        match (kind, self.layout) {
+            ("ktx2", Some(layout @ (Layout::Equirectangular | Layout::Strip))) => {
+                Err(Error::Argument(format!(
+                    "--layout {} is not for .ktx2 files, which hold the faces of a cube: leave it out, or write .exr, \
+                 .hdr or .png",
+                    word(layout)
+                )))
+            }
+            ("ktx2", _) => Ok(Layout::Cubemap),
+            (_, layout) => Ok(layout.unwrap_or(Layout::Equirectangular)),
         }
     }
 }

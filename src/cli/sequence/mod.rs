@@ -201,7 +201,8 @@ impl Sequence {
     ) -> Result<()> {
         let scene = Scene { time: still.time, ..scene.clone() };
         // What a path traced frame is on the way is no frame: it would pass for one.
-        let job = Job { scene: &scene, output: file, resume: false, keep: false, notes: still.stamp.notes() };
+        let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes());
+        let job = Job { scene: &scene, frame, output: file, resume: false, keep: false, notes };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
     }
 
@@ -272,8 +273,8 @@ impl Sequence {
         progress: &mut dyn FnMut(f64),
     ) -> Result<Vec<u8>> {
         let scene = Scene { time: still.time, ..scene.clone() };
-        let job =
-            Job { scene: &scene, output: &self.output, resume: false, keep: false, notes: Notes::default() };
+        let (frame, notes) = (self.picture.frame(&scene)?, Notes::default());
+        let job = Job { scene: &scene, frame, output: &self.output, resume: false, keep: false, notes };
         let drawn = self.picture.draw(painter, &job, progress)?;
         Ok(export::opaque_of(&picture::finished(painter, &drawn.picture, &scene)?))
     }

@@ -23,6 +23,7 @@ impl Stamp {
         let nameless = Scene { name: String::new(), ..moment.clone() };
         let mut options = picture.clone();
         options.adapter = None;
+        options.fill_in();
         for text in [env!("CARGO_PKG_VERSION"), &nameless.to_json(), &format!("{options:?}")] {
             hasher.write(text.as_bytes());
             hasher.write_u8(0xff);

@@ -4,6 +4,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use half::f16;
+use rayon::prelude::*;
 
 use crate::{
     Result,
@@ -12,7 +13,7 @@ use crate::{
     optics::{
         peak::Chopped,
         phase::{Phase, angle_at},
-        slab::{Medium, angles::legendre_series, moments},
+        slab::{Medium, angles::legendre_polynomials, moments},
     },
     scene::Droplets,
 };
@@ -106,24 +107,24 @@ impl Species {
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - truncated);
         let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
         let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
-            let texel = |i| {
-                [0, 1, 2, 1]
-                    .map(|channel| f16::from_f64(value(channel, angle_at((i as f64 + 0.5) / ANGLES as f64))))
-            };
-            (0..ANGLES).map(texel).collect()
+            let texel = |theta| rgb([0, 1, 2].map(|channel| value(channel, theta)));
+            angles(ANGLES).map(texel).collect()
         };
         let degree = degree(chopped.phase());
-        let media = [0, 1, 2].map(|channel| Medium::new(|theta| chopped.wide(channel, theta), degree));
+        let media =
+            Medium::of_channels(|theta| [0, 1, 2].map(|channel| chopped.wide(channel, theta)), degree);
+        let tables = Remainders::new(degree);
         let g = chopped.asymmetry[1];
         let over_table = |l: usize| (media[1].chi[l] / TABLE_MOMENTS[l - 1]) as f32;
         Ok(Self {
             droplets: droplets.clone(),
             similarity: ((1.0 - g) / (1.0 - TABLE_MOMENTS[0])) as f32,
             degrees: [1.0, over_table(1), over_table(2), over_table(3)],
-            remainder: table(&media, moments::remainder_moments),
+            remainder: tables.table(&media, moments::remainder_moments),
             chi: [0, 1, 2, 3].map(|l| media[1].chi[l] as f32),
             ahead: ahead(&media[1]) as f32,
-            beyond: table(&media, |medium, path| moments::moments_beyond(medium, ahead(&media[1]), path)),
+            beyond: tables
+                .table(&media, |medium, path| moments::moments_beyond(medium, ahead(&media[1]), path)),
             truncated: truncated as f32,
             asymmetry: chopped.asymmetry[1] as f32,
             albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - truncated)) as f32,
@@ -168,21 +169,53 @@ fn ahead(medium: &Medium) -> f64 {
     medium.chi[4].max(0.0)
 }
 
-/// A small-angle remainder of red, green and blue by rows of optical depth, whose places
-/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells, from its terms by degree.
-fn table(media: &[Medium; 3], terms: impl Fn(&Medium, f64) -> Vec<f64>) -> Vec<[f16; 4]> {
-    let [width, height] = REMAINDER;
-    let cosine: Vec<f64> = (0..width).map(|i| angle_at((i as f64 + 0.5) / width as f64).cos()).collect();
-    let mut texels = Vec::with_capacity(width * height);
-    for row in 0..height {
-        let coordinate = (row as f64 + 0.5) / height as f64;
-        let path = 4.0 * coordinate / (1.0 - coordinate);
-        let terms = media.each_ref().map(|medium| terms(medium, path));
-        texels.extend(cosine.iter().map(|cosine| {
-            [0, 1, 2, 1].map(|channel: usize| f16::from_f64(legendre_series(&terms[channel], *cosine)))
-        }));
+/// Makes tables of small-angle remainders.
+struct Remainders {
+    /// Legendre polynomials by degree, for the scattering angle of each column.
+    polynomials: Vec<Vec<f64>>,
+}
+
+impl Remainders {
+    /// For terms up to `degree`.
+    fn new(degree: usize) -> Self {
+        let column = |theta: f64| legendre_polynomials(theta.cos()).take(degree + 1).collect();
+        Self { polynomials: angles(REMAINDER[0]).map(column).collect() }
     }
-    texels
+
+    /// The remainder of red, green and blue by rows of optical depth, whose places
+    /// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells, from its terms by degree.
+    fn table(&self, media: &[Medium; 3], terms: impl Fn(&Medium, f64) -> Vec<f64> + Sync) -> Vec<[f16; 4]> {
+        let height = REMAINDER[1];
+        let row = |row: usize| {
+            let coordinate = (row as f64 + 0.5) / height as f64;
+            let path = 4.0 * coordinate / (1.0 - coordinate);
+            let terms = media.each_ref().map(|medium| terms(medium, path));
+            self.polynomials.iter().map(move |values| rgb(series(&terms, values)))
+        };
+        (0..height).into_par_iter().flat_map_iter(row).collect()
+    }
+}
+
+/// Sums over the degrees of the terms of each channel times the polynomials' values.
+fn series(terms: &[Vec<f64>; 3], polynomials: &[f64]) -> [f64; 3] {
+    let [red, green, blue] = terms;
+    let mut sums = [0.0; 3];
+    for (((value, red), green), blue) in polynomials.iter().zip(red).zip(green).zip(blue) {
+        sums[0] += red * value;
+        sums[1] += green * value;
+        sums[2] += blue * value;
+    }
+    sums
+}
+
+/// Scattering angles, rad, of the columns of a table that is `columns` wide.
+fn angles(columns: usize) -> impl Iterator<Item = f64> {
+    (0..columns).map(move |i| angle_at((i as f64 + 0.5) / columns as f64))
+}
+
+/// A texel of three channels; green stands in the fourth, too.
+fn rgb([red, green, blue]: [f64; 3]) -> [f16; 4] {
+    [red, green, blue, green].map(f16::from_f64)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The light of all clouds: made for those in the picture, kept between frames, and dropped where
 //! it would take more memory than a scene may have.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 use super::{
     occluders::{Occluder, occluders},
@@ -24,6 +24,8 @@ fn place(cloud: &CloudFrame) -> Place {
 /// Light of a cloud.
 struct Kept {
     place: Place,
+    /// Which of the clouds it was in the last picture.
+    number: usize,
     light: CloudLight,
     /// Number of the picture that it was made for.
     made: u64,
@@ -81,7 +83,7 @@ impl LightStore {
             let cloud = &frame.clouds[index];
             let before = known[index].take();
             let Some(detail) = details[index] else {
-                rest.extend(before);
+                rest.extend(before.map(|kept| Kept { number: index, ..kept }));
                 continue;
             };
             let occluder = |&other: &u32| {
@@ -94,33 +96,43 @@ impl LightStore {
             self.lights[index] = if is_current || left == 0 {
                 self.waiting += u32::from(!is_current);
                 let place = place(cloud);
-                before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept { place, ..kept })
+                before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept {
+                    place,
+                    number: index,
+                    ..kept
+                })
             } else {
                 let before = before.map(|kept| kept.light);
                 let light = self.pass.prepare(encoder, inputs, media, wanted, before, &mut self.redone);
                 left = if flush(encoder) { left - 1 } else { 0 };
-                Some(Kept { place: place(cloud), light, made: self.pictures })
+                Some(Kept { place: place(cloud), number: index, light, made: self.pictures })
             };
         }
         let seen = in_view.iter().filter(|seen| **seen).count();
         self.keep(frame, rest, allowance(quality, seen));
     }
 
-    /// What is kept for each cloud of `frame`, by where it is; a cloud that has moved is known by its
-    /// number. And the rest.
+    /// The light kept for each cloud of `frame`, and the light that is left. Clouds are known by
+    /// where they are, and of several in one place by their number; a cloud that has moved is
+    /// known by its number alone.
     fn found(&mut self, frame: &Frame) -> (Vec<Option<Kept>>, Vec<Kept>) {
         let lights = std::mem::take(&mut self.lights);
-        let numbers: Vec<_> = lights.iter().map(|light| light.as_ref().map(|kept| kept.place)).collect();
-        let mut known: HashMap<Place, Vec<Kept>> = HashMap::new();
+        let before: Vec<_> = lights.iter().map(|light| light.as_ref().map(|kept| kept.place)).collect();
+        let mut known: HashMap<Place, VecDeque<Kept>> = HashMap::new();
         for kept in lights.into_iter().flatten().chain(std::mem::take(&mut self.away)) {
-            known.entry(kept.place).or_default().push(kept);
+            known.entry(kept.place).or_default().push_back(kept);
         }
-        let mut take = |place: &Place| known.get_mut(place).and_then(Vec::pop);
-        let mut found: Vec<_> = frame.clouds.iter().map(|cloud| take(&place(cloud))).collect();
-        for (kept, number) in found.iter_mut().zip(&numbers) {
-            if kept.is_none() {
-                *kept = number.as_ref().and_then(&mut take);
-            }
+        let mut own = |place: Place, number: usize| {
+            let there = known.get_mut(&place)?;
+            there.remove(there.iter().position(|kept| kept.number == number)?)
+        };
+        let places: Vec<_> = frame.clouds.iter().map(place).collect();
+        let mut found: Vec<_> = places.iter().zip(0..).map(|(&place, number)| own(place, number)).collect();
+        for (kept, place) in found.iter_mut().zip(&places).filter(|(kept, _)| kept.is_none()) {
+            *kept = known.get_mut(place).and_then(VecDeque::pop_front);
+        }
+        for (kept, place) in found.iter_mut().zip(&before).filter(|(kept, _)| kept.is_none()) {
+            *kept = place.and_then(|place| known.get_mut(&place)).and_then(VecDeque::pop_front);
         }
         (found, known.into_values().flatten().collect())
     }

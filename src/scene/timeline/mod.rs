@@ -1,17 +1,25 @@
 //! How a scene changes over time: numbers that follow curves.
 
 mod curve;
+mod object;
 mod path;
+
+use std::collections::HashSet;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use curve::{Curve, Interpolation, Key};
-pub use path::{Owner, Place, owner_path};
+pub use object::Owner;
+pub(super) use object::write;
+pub use path::{Place, owner_path};
+
+use object::Object;
+use path::Paths;
 
 use super::Scene;
 use super::validate::{At, Limits};
-use crate::Result;
+use crate::{Error, Result};
 
 const LENGTH: Limits = Limits::new(0.01, 1e6, "seconds");
 const FPS: Limits = Limits::new(0.1, 1000.0, "frames per second");
@@ -99,7 +107,20 @@ impl Timeline {
         Curve::new(&self.track(path)?.keys, self.period())
     }
 
+    /// Checks everything: also that each track leads to a number of `scene`, and into its range.
     pub(super) fn check(&self, scene: &Scene, at: At) -> Result<()> {
+        self.check_shape(at)?;
+        self.check_reaches(scene, at, |_| true)
+    }
+
+    /// Checks what a moment is made of, however far off other moments may be. The wind's whole past counts.
+    pub(super) fn check_for_moment(&self, scene: &Scene, at: At) -> Result<()> {
+        self.check_shape(at)?;
+        self.check_reaches(scene, at, |track| track.path.starts_with("wind"))
+    }
+
+    /// Checks all that needs no scene.
+    fn check_shape(&self, at: At) -> Result<()> {
         at.field("length").number(self.length, LENGTH)?;
         at.field("fps").number(self.fps, FPS)?;
         let frames = self.length * self.fps;
@@ -111,16 +132,37 @@ impl Timeline {
                 self.length, self.fps
             )));
         }
-        let tracks = at.field("tracks");
+        let (tracks, mut known) = (at.field("tracks"), HashSet::new());
         for (i, track) in self.tracks.iter().enumerate() {
             let at = tracks.index(i);
-            if self.tracks[..i].iter().any(|other| other.path == track.path) {
+            if !known.insert(track.path.as_str()) {
                 return Err(at.field("path").problem(format!("`{}` has two tracks: join them", track.path)));
             }
+            track.check_path(at)?;
             track.check_keys(self.length, at)?;
-            track.check_reach(self.period(), scene, at)?;
         }
         Ok(())
+    }
+
+    /// Checks that those tracks that `count` lead to numbers of `scene`, and into their ranges.
+    fn check_reaches(&self, scene: &Scene, at: At, count: impl Fn(&Track) -> bool) -> Result<()> {
+        let (tracks, mut paths) = (at.field("tracks"), Paths::new(scene));
+        let mut counting = self.tracks.iter().enumerate().filter(|(_, track)| count(track));
+        counting.try_for_each(|(i, track)| track.check_reach(self.period(), &mut paths, tracks.index(i)))
+    }
+
+    /// The numbers of all tracks with keys at `time`, s, and where in `scene` they belong; what is
+    /// wrong, in a sentence, with a path that leads nowhere.
+    pub(super) fn numbers(
+        &self,
+        scene: &Scene,
+        time: f64,
+    ) -> impl Iterator<Item = std::result::Result<(Place, f64), String>> {
+        let (period, mut paths) = (self.period(), Paths::new(scene));
+        self.tracks.iter().filter_map(move |track| {
+            let value = Curve::new(&track.keys, period)?.at(time);
+            Some(paths.find(&track.path).map(|place| (place, value)))
+        })
     }
 }
 
@@ -154,36 +196,31 @@ impl Track {
         Ok(())
     }
 
-    /// What the curve reaches is in the range of what it moves.
-    fn check_reach(&self, period: Option<f64>, scene: &Scene, at: At) -> Result<()> {
-        let leads_nowhere = |problem: String| at.field("path").problem(format!("`{}`: {problem}", self.path));
+    /// Some numbers follow no curve.
+    fn check_path(&self, at: At) -> Result<()> {
         if self.path == "format" || self.path == "time" || self.path.starts_with("timeline") {
-            return Err(leads_nowhere("this one can't be animated".to_owned()));
+            return Err(self.leads_nowhere(at, "this one can't be animated"));
         }
-        let place = Place::find(&self.path, scene).map_err(leads_nowhere)?;
-        place.read(scene).map_err(leads_nowhere)?;
+        Ok(())
+    }
+
+    fn leads_nowhere(&self, at: At, problem: &str) -> Error {
+        at.field("path").problem(format!("`{}`: {problem}", self.path))
+    }
+
+    /// What the curve reaches is in the range of what it moves.
+    fn check_reach(&self, period: Option<f64>, paths: &mut Paths<'_>, at: At) -> Result<()> {
+        let leads_nowhere = |problem: String| self.leads_nowhere(at, &problem);
+        let place = paths.find(&self.path).map_err(leads_nowhere)?;
+        let object = Object::of(place.owner, paths.scene());
+        object.number(&place.steps).map_err(leads_nowhere)?;
         let (low, high) = Curve::new(&self.keys, period).map_or((0.0, 0.0), |curve| curve.reach());
         for value in [low, high] {
-            let mut posed = scene.clone();
-            path::write(&mut posed, &[(place.clone(), value)]).map_err(leads_nowhere)?;
-            posed.check_owner(place.owner).map_err(|error| {
+            let moved = object.with([(place.steps.as_slice(), value)]).map_err(leads_nowhere)?;
+            moved.check().map_err(|error| {
                 at.field("keys").problem(format!("keys and handles reach {value}: {error}"))
             })?;
         }
         Ok(())
-    }
-}
-
-/// The scene with the numbers of all tracks as they are at `time`, s.
-pub(super) fn pose(scene: &mut Scene, timeline: &Timeline, time: f64) {
-    let period = timeline.period();
-    let number = |track: &Track| {
-        let place = Place::find(&track.path, scene).ok()?;
-        Some((place, Curve::new(&track.keys, period)?.at(time)))
-    };
-    let numbers: Vec<_> = timeline.tracks.iter().filter_map(number).collect();
-    // A track that leads nowhere moves nothing: validation tells of it.
-    if let Err(problem) = path::write(scene, &numbers) {
-        tracing::warn!(problem, "a track could not be followed");
     }
 }

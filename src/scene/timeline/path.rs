@@ -5,31 +5,18 @@
 //! No list of what can be animated: the last steps are taken in the JSON of the smallest object
 //! around the number, and that object's reader says whether it likes what it finds.
 
-use std::fmt;
+use std::{collections::HashMap, fmt};
 
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::Value;
-
-use crate::scene::{Cloud, Scene, explain::nearest, validate::unit};
+use super::object::{self, Object, Owner};
+use crate::scene::{Scene, explain::nearest};
 
 /// One step of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Step {
+pub(super) enum Step {
     Field(String),
     Index(usize),
     /// An element by its own name.
     Name(String),
-}
-
-/// What a number belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Owner {
-    /// The scene itself.
-    Scene,
-    /// A cloud.
-    Cloud(usize),
-    /// An ellipsoid: its cloud's number and its own.
-    Ellipsoid(usize, usize),
 }
 
 /// A number in a scene.
@@ -38,49 +25,18 @@ pub struct Place {
     /// The object that it belongs to.
     pub owner: Owner,
     /// The way from there.
-    steps: Vec<Step>,
+    pub(super) steps: Vec<Step>,
 }
 
 impl Place {
     /// Follows `path` through `scene`; what is wrong with it, in a sentence, where it leads nowhere.
     pub fn find(path: &str, scene: &Scene) -> Result<Self, String> {
-        let steps = parse(path)?;
-        let [Step::Field(first), cloud, rest @ ..] = steps.as_slice() else {
-            return Ok(Self { owner: Owner::Scene, steps });
-        };
-        if first != "clouds" {
-            return Ok(Self { owner: Owner::Scene, steps });
-        }
-        let clouds: Vec<&str> = scene.clouds.iter().map(|cloud| cloud.name.as_str()).collect();
-        let index = element(cloud, &clouds, "cloud")?;
-        let [Step::Field(second), ellipsoid, rest_of_it @ ..] = rest else {
-            return Ok(Self { owner: Owner::Cloud(index), steps: rest.to_vec() });
-        };
-        if second != "ellipsoids" {
-            return Ok(Self { owner: Owner::Cloud(index), steps: rest.to_vec() });
-        }
-        let names: Vec<&str> =
-            scene.clouds[index].ellipsoids.iter().map(|e| e.name.as_deref().unwrap_or_default()).collect();
-        let number = element(ellipsoid, &names, "ellipsoid")?;
-        Ok(Self { owner: Owner::Ellipsoid(index, number), steps: rest_of_it.to_vec() })
+        Paths::new(scene).find(path)
     }
 
     /// The number as it is; 0 where the file leaves it out.
     pub fn read(&self, scene: &Scene) -> Result<f64, String> {
-        let value = match self.owner {
-            Owner::Scene => json(&world(scene)),
-            Owner::Cloud(cloud) => json(&shell(&scene.clouds[cloud])),
-            Owner::Ellipsoid(cloud, e) => json(&scene.clouds[cloud].ellipsoids[e]),
-        };
-        let mut value = &value;
-        for (i, step) in self.steps.iter().enumerate() {
-            value = match follow(value, step) {
-                Some(inside) => inside,
-                None if i + 1 == self.steps.len() && value.is_object() => return Ok(0.0),
-                None => return Err(missing(value, step)),
-            };
-        }
-        value.as_f64().ok_or_else(|| no_number(value))
+        Object::of(self.owner, scene).number(&self.steps)
     }
 
     /// The same number of another object of its kind.
@@ -90,7 +46,7 @@ impl Place {
 
     /// Puts `value` there; what is wrong with it, in a sentence, where it can't be. Its range is not looked at.
     pub fn write(&self, scene: &mut Scene, value: f64) -> Result<(), String> {
-        write(scene, &[(self.clone(), value)])
+        object::write(scene, vec![(self.clone(), value)])
     }
 
     /// The path that says this to people and files: by name where there is one that no other has.
@@ -103,6 +59,97 @@ impl Place {
             }
         }
         path
+    }
+}
+
+/// Finds places in a scene by their paths: names are looked up in lists that are made once.
+pub(super) struct Paths<'a> {
+    scene: &'a Scene,
+    clouds: Option<Names<'a>>,
+    /// By cloud.
+    ellipsoids: HashMap<usize, Names<'a>>,
+}
+
+impl<'a> Paths<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, clouds: None, ellipsoids: HashMap::new() }
+    }
+
+    /// The scene in which it finds.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// Follows `path`; what is wrong with it, in a sentence, where it leads nowhere.
+    pub fn find(&mut self, path: &str) -> Result<Place, String> {
+        let steps = parse(path)?;
+        let [Step::Field(first), cloud, rest @ ..] = steps.as_slice() else {
+            return Ok(Place { owner: Owner::Scene, steps });
+        };
+        if first != "clouds" {
+            return Ok(Place { owner: Owner::Scene, steps });
+        }
+        let scene = self.scene;
+        let clouds = || scene.clouds.iter().map(|cloud| cloud.name.as_str()).collect();
+        let index = self.clouds.get_or_insert_with(|| Names::new("cloud", clouds())).find(cloud)?;
+        let [Step::Field(second), ellipsoid, rest_of_it @ ..] = rest else {
+            return Ok(Place { owner: Owner::Cloud(index), steps: rest.to_vec() });
+        };
+        if second != "ellipsoids" {
+            return Ok(Place { owner: Owner::Cloud(index), steps: rest.to_vec() });
+        }
+        let named = || {
+            let own = &scene.clouds[index].ellipsoids;
+            Names::new("ellipsoid", own.iter().map(|e| e.name.as_deref().unwrap_or_default()).collect())
+        };
+        let number = self.ellipsoids.entry(index).or_insert_with(named).find(ellipsoid)?;
+        Ok(Place { owner: Owner::Ellipsoid(index, number), steps: rest_of_it.to_vec() })
+    }
+}
+
+/// The elements of a list by their names.
+struct Names<'a> {
+    /// What an element is called.
+    what: &'static str,
+    names: Vec<&'a str>,
+    /// The element of each name; none where several have it. Made when the first name is asked for.
+    by_name: Option<HashMap<&'a str, Option<usize>>>,
+}
+
+impl<'a> Names<'a> {
+    fn new(what: &'static str, names: Vec<&'a str>) -> Self {
+        Self { what, names, by_name: None }
+    }
+
+    /// The number of the element that `step` says.
+    fn find(&mut self, step: &Step) -> Result<usize, String> {
+        let (what, count) = (self.what, self.names.len());
+        match step {
+            Step::Index(index) if *index < count => Ok(*index),
+            Step::Index(index) => Err(format!("there is no {what} [{index}]: there are {count}")),
+            Step::Field(name) => Err(format!("`.{name}` can't follow a list: write [0] or ['name']")),
+            Step::Name(name) => match self.by_name().get(name.as_str()) {
+                Some(Some(index)) => Ok(*index),
+                Some(None) => {
+                    Err(format!("more than one {what} is called '{name}': give them names of their own"))
+                }
+                None => {
+                    let hint = nearest(name, &self.names).map(|near| format!("; did you mean '{near}'?"));
+                    Err(format!("no {what} is called '{name}'{}", hint.unwrap_or_default()))
+                }
+            },
+        }
+    }
+
+    fn by_name(&mut self) -> &HashMap<&'a str, Option<usize>> {
+        let names = &self.names;
+        self.by_name.get_or_insert_with(|| {
+            let mut by_name = HashMap::with_capacity(names.len());
+            for (index, name) in names.iter().enumerate() {
+                by_name.entry(*name).and_modify(|alone| *alone = None).or_insert(Some(index));
+            }
+            by_name
+        })
     }
 }
 
@@ -124,177 +171,6 @@ pub fn owner_path(owner: Owner, scene: &Scene) -> String {
             format!("{}.ellipsoids{}", cloud(index), of(number, names.collect()))
         }
     }
-}
-
-/// Puts numbers into the scene, all those of one object together; quaternions become unit length again.
-pub fn write(scene: &mut Scene, numbers: &[(Place, f64)]) -> Result<(), String> {
-    let mut owners: Vec<Owner> = numbers.iter().map(|(place, _)| place.owner).collect();
-    owners.sort_unstable();
-    owners.dedup();
-    for owner in owners {
-        let own = numbers.iter().filter(|(place, _)| place.owner == owner);
-        match owner {
-            Owner::Scene => {
-                let (clouds, timeline) = (std::mem::take(&mut scene.clouds), scene.timeline.take());
-                let written = put(scene, own);
-                (scene.clouds, scene.timeline) = (clouds, timeline);
-                written?;
-                scene.noise.rotation = unit(scene.noise.rotation);
-            }
-            Owner::Cloud(index) => {
-                let cloud = &mut scene.clouds[index];
-                let ellipsoids = std::mem::take(&mut cloud.ellipsoids);
-                let written = put(cloud, own);
-                cloud.ellipsoids = ellipsoids;
-                written?;
-            }
-            Owner::Ellipsoid(cloud, e) => {
-                let ellipsoid = &mut scene.clouds[cloud].ellipsoids[e];
-                put(ellipsoid, own)?;
-                ellipsoid.orientation = unit(ellipsoid.orientation);
-            }
-        }
-    }
-    Ok(())
-}
-
-fn put<'a, T: Serialize + DeserializeOwned>(
-    object: &mut T,
-    numbers: impl Iterator<Item = &'a (Place, f64)>,
-) -> Result<(), String> {
-    let mut value = json(object);
-    for (place, number) in numbers {
-        set(&mut value, &place.steps, *number)?;
-    }
-    *object = serde_json::from_value(value).map_err(|error| error.to_string())?;
-    Ok(())
-}
-
-fn set(value: &mut Value, steps: &[Step], number: f64) -> Result<(), String> {
-    let [step, rest @ ..] = steps else {
-        *value = match value {
-            // Seeds are whole numbers.
-            Value::Number(old) if old.is_u64() => Value::from(number.round().max(0.0) as u64),
-            Value::Number(_) => Value::from(number),
-            other => return Err(no_number(other)),
-        };
-        return Ok(());
-    };
-    if rest.is_empty()
-        && let (Value::Object(fields), Step::Field(name)) = (&mut *value, step)
-    {
-        // What files leave out may be put in: the reader knows its fields.
-        fields.entry(name).or_insert(Value::from(0.0));
-    }
-    if follow(value, step).is_none() {
-        return Err(missing(value, step));
-    }
-    let inside = match step {
-        Step::Field(name) | Step::Name(name) => value.get_mut(name),
-        Step::Index(index) => value.get_mut(index),
-    };
-    inside.map_or(Ok(()), |inside| set(inside, rest, number))
-}
-
-fn follow<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
-    match step {
-        Step::Field(name) => value.get(name),
-        Step::Index(index) => value.get(index),
-        Step::Name(_) => None,
-    }
-}
-
-fn no_number(value: &Value) -> String {
-    match value {
-        Value::Array(_) => "a list is no number: add [0] for its first, [1] for its second".to_owned(),
-        other => format!("{} is not a number", kind(other)),
-    }
-}
-
-fn missing(value: &Value, step: &Step) -> String {
-    let known: Vec<&str> = value.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
-    match (step, value) {
-        (Step::Field(name), Value::Object(_)) => {
-            let hint = nearest(name, &known).map(|near| format!("; did you mean `{near}`?"));
-            format!("there is no `{name}` here{} Known: {}", hint.as_deref().unwrap_or("."), known.join(", "))
-        }
-        (Step::Index(index), Value::Array(list)) => {
-            format!("there is no [{index}]: the list ends at [{}]", list.len().saturating_sub(1))
-        }
-        (Step::Field(name), Value::Array(_)) if ["x", "y", "z"].contains(&name.as_str()) => {
-            "x, y and z are [0], [1] and [2]".to_owned()
-        }
-        (step, value) => format!("`{step}` can't follow: {} is there", kind(value)),
-    }
-}
-
-fn kind(value: &Value) -> &'static str {
-    match value {
-        Value::Null => "nothing",
-        Value::Bool(_) => "yes or no",
-        Value::Number(_) => "a number",
-        Value::String(_) => "text",
-        Value::Array(_) => "a list",
-        Value::Object(_) => "an object",
-    }
-}
-
-/// The number of the element that `step` says, of those with these names.
-fn element(step: &Step, names: &[&str], what: &str) -> Result<usize, String> {
-    match step {
-        Step::Index(index) if *index < names.len() => Ok(*index),
-        Step::Index(index) => Err(format!("there is no {what} [{index}]: there are {}", names.len())),
-        Step::Field(name) => Err(format!("`.{name}` can't follow a list: write [0] or ['name']")),
-        Step::Name(name) => {
-            let mut found = names.iter().enumerate().filter(|(_, own)| *own == name);
-            match (found.next(), found.next()) {
-                (Some((index, _)), None) => Ok(index),
-                (Some(_), Some(_)) => {
-                    Err(format!("more than one {what} is called '{name}': give them names of their own"))
-                }
-                (None, _) => {
-                    let hint = nearest(name, names).map(|near| format!("; did you mean '{near}'?"));
-                    Err(format!("no {what} is called '{name}'{}", hint.unwrap_or_default()))
-                }
-            }
-        }
-    }
-}
-
-/// The scene without its lists.
-fn world(scene: &Scene) -> Scene {
-    Scene {
-        clouds: Vec::new(),
-        timeline: None,
-        format: scene.format,
-        name: String::new(),
-        noise: scene.noise.clone(),
-        sun: scene.sun.clone(),
-        sky: scene.sky.clone(),
-        ground: scene.ground.clone(),
-        wind: scene.wind.clone(),
-        time: scene.time,
-        camera: scene.camera.clone(),
-        exposure: scene.exposure,
-        tone_curve: scene.tone_curve,
-    }
-}
-
-/// The cloud without its ellipsoids.
-fn shell(cloud: &Cloud) -> Cloud {
-    Cloud {
-        name: String::new(),
-        ellipsoids: Vec::new(),
-        droplets: cloud.droplets.clone(),
-        edge: cloud.edge.clone(),
-        life: cloud.life.clone(),
-        hidden: cloud.hidden,
-        locked: cloud.locked,
-    }
-}
-
-fn json(object: &impl Serialize) -> Value {
-    serde_json::to_value(object).expect("a scene holds only numbers, text and lists, with text as keys")
 }
 
 fn parse(path: &str) -> Result<Vec<Step>, String> {
