@@ -1,6 +1,5 @@
 //! The atmosphere in f64, written from Hillaire (2020) and Bruneton and Neyret (2008)
 //! with brute quadrature: radii instead of altitudes, angles instead of tables.
-#![allow(dead_code, reason = "every test file uses its own part of it")]
 
 use std::f64::consts::PI;
 

@@ -2,9 +2,8 @@
 //! function of `shaders/lib` over many inputs.
 #![allow(dead_code, reason = "every test file uses its own part of it")]
 
+pub mod atmosphere;
 pub mod compiled;
-#[cfg(feature = "editor")]
-pub mod desk;
 #[cfg(feature = "export")]
 pub mod picture;
 #[cfg(feature = "export")]
@@ -13,8 +12,6 @@ pub mod random;
 pub mod readers;
 #[cfg(feature = "export")]
 pub mod truth;
-#[cfg(feature = "editor")]
-pub mod window;
 
 use std::sync::OnceLock;
 

@@ -39,13 +39,13 @@ pub fn check<S: Strategy<Value = Scene>>(
     if let Ok(path) = std::env::var("NEPHOS_SCENE") {
         return check_file(&path, bounds, measure);
     }
-    let kept = FileFailurePersistence::Direct("tests/random_scenes.seeds");
+    let kept = FileFailurePersistence::Direct("tests/picture/random_scenes.seeds");
     let config = Config {
         cases,
         max_shrink_iters: 60,
         max_global_rejects: 4 * cases + 100,
         failure_persistence: Some(Box::new(kept)),
-        source_file: Some("tests/random_scenes.rs"),
+        source_file: Some("tests/picture/random_scenes.rs"),
         ..Config::default()
     };
     let each = if cases < ENOUGH { bounds.most } else { bounds.all };

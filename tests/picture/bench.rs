@@ -1,0 +1,135 @@
+//! The benchmark finds what it is there to find: a wrong sign or a wrong density is far worse
+//! than the model's own error, and the program tells so.
+#![cfg(feature = "cli")]
+
+use crate::common;
+
+use std::time::Duration;
+
+use assert_cmd::Command;
+use common::gpu;
+use glam::DVec3;
+use nephos::{
+    measure::{CORPUS, Entry, Limits, Reference, SIZE, Truth, draw, light},
+    render::{Quality, Transport},
+    scene::{Scene, SunPosition},
+};
+
+fn entry(name: &str) -> Entry {
+    CORPUS.into_iter().find(|entry| entry.name == name).unwrap()
+}
+
+fn reference(entry: &Entry, samples: u32) -> Reference {
+    let limits = Limits { noise: 0.0, samples, time: Duration::from_secs(600) };
+    Reference::trace(gpu(), &entry.scene(), 1, &limits, None, &mut |_| ()).unwrap()
+}
+
+/// Relative RMSE of `scene`, drawn by `model`, against `reference`.
+fn error(reference: &Reference, scene: &Scene, model: Transport) -> f64 {
+    let mut renderer = draw::renderer(gpu());
+    (renderer.settings.quality, renderer.settings.transport) = (Quality::PREVIEW, model);
+    let sky = draw::sky(gpu(), &mut renderer, &reference.scene, SIZE).unwrap();
+    let drawn = draw::clouds(gpu(), &mut renderer, scene, SIZE, 1).unwrap();
+    Truth { reference, sky: &sky }.rmse(&drawn)
+}
+
+#[test]
+fn wrong_signs_and_densities_are_far_above_the_error_of_the_best_model() {
+    let entry = entry("fractus-back");
+    let reference = reference(&entry, 48);
+    let right = entry.scene();
+    let models: Vec<_> = Transport::all().collect();
+    let errors: Vec<_> = models.iter().map(|model| error(&reference, &right, *model)).collect();
+    let best = errors.iter().position(|e| *e == errors.iter().fold(f64::INFINITY, |a, b| a.min(*b)));
+    let (model, least) = (models[best.unwrap()], errors[best.unwrap()]);
+    // Noise is taken off, what is left of it is a few hundredths; the best is at 0.08 on good references.
+    assert!(least < 0.3, "{errors:?}");
+    // The sun in front instead of behind: what a wrong sign of the phase angle does.
+    let mut mirrored = right.clone();
+    mirrored.sun.position = SunPosition::Direction(right.sun.to_sun() * DVec3::new(-1.0, 1.0, -1.0));
+    let mut denser = right.clone();
+    denser.clouds[0].droplets.concentration_per_cm3 *= 4.0;
+    for (what, wrong) in [("mirrored", mirrored), ("denser", denser)] {
+        let found = error(&reference, &wrong, model);
+        assert!(found > 2.0 * least && found > 0.3, "{what}: {found} against {least}");
+    }
+}
+
+#[test]
+fn references_are_as_far_apart_as_their_standard_errors_say() {
+    let entry = entry("sphere-side");
+    let limits = Limits { noise: 0.0, samples: 96, time: Duration::from_secs(600) };
+    let [a, b] =
+        [1, 2].map(|seed| Reference::trace(gpu(), &entry.scene(), seed, &limits, None, &mut |_| ()).unwrap());
+    let (mut squares, mut variance) = (0.0, 0.0);
+    for i in a.cloud() {
+        squares += (light(&a.picture.pixels[i]) - light(&b.picture.pixels[i])).powi(2);
+        variance += a.variance(i) + b.variance(i);
+    }
+    // Mie's bright paths make the ratio unsteady; it was 8.6 when threads shared their paths.
+    assert!((0.5..2.0).contains(&(squares / variance)), "{}", squares / variance);
+}
+
+fn nephos(words: &[&str]) -> assert_cmd::assert::Assert {
+    let mut command = Command::cargo_bin("nephos").unwrap();
+    command.args(words);
+    if let Ok(name) = std::env::var("NEPHOS_ADAPTER") {
+        command.args(["--adapter", &name]);
+    }
+    command.assert()
+}
+
+#[test]
+fn the_program_makes_references_and_tells_errors_and_costs() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap();
+    let page = folder.path().join("page.html");
+    let make = ["bench", "reference", "--filter", "sphere-side", "--samples", "24", "--folder", place];
+    let told =
+        |words: &[&str]| String::from_utf8(nephos(words).success().get_output().stdout.clone()).unwrap();
+    assert!(told(&make).contains("24 samples"));
+    assert!(told(&make).contains("there already"));
+    let bench = [
+        "bench",
+        "--filter",
+        "sphere",
+        "--folder",
+        place,
+        "--models",
+        "single,slab",
+        "--qualities",
+        "draft",
+        "--timing-size",
+        "48",
+        "27",
+        "--repeats",
+        "1",
+        "--json",
+        "-o",
+        page.to_str().unwrap(),
+    ];
+    let report: serde_json::Value = serde_json::from_str(&told(&bench)).unwrap();
+    assert_eq!(report["scores"].as_array().unwrap().len(), 2);
+    assert_eq!(report["costs"].as_array().unwrap().len(), 2);
+    // The other sphere has no reference.
+    assert!(report["left_out"][0].as_str().unwrap().starts_with("two-spheres"));
+    let errors: Vec<f64> = [0, 1].map(|i| report["means"][i]["rmse"].as_f64().unwrap()).into();
+    assert!(errors[1] < errors[0], "multiple scattering is nearer to the truth: {errors:?}");
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("sphere-side") && page.contains("<svg") && !page.contains("NaN"));
+}
+
+#[test]
+fn what_is_not_there_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap();
+    for (words, reason) in [
+        (vec!["bench", "--filter", "nothing"], "no picture has `nothing`"),
+        (vec!["bench", "--models", "best"], "--models knows no `best`: there are emitter"),
+        (vec!["bench", "--folder", place], "there is nothing to measure against"),
+    ] {
+        let output = nephos(&words).code(1).get_output().stderr.clone();
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.contains(reason) && !text.contains("panicked"), "{text}");
+    }
+}

@@ -1,0 +1,153 @@
+//! Light of many clouds, made for some of them at a time while things move.
+#![cfg(feature = "export")]
+
+use crate::common;
+
+use common::picture::{draw, renderer, scene};
+use nephos::{
+    export::Picture,
+    render::{Quality, Renderer, Transport},
+    scene::{Scene, SunPosition},
+};
+
+const SIZE: [u32; 2] = [48, 27];
+
+fn three_clouds() -> Scene {
+    scene(
+        r#"{"clouds": [
+            {"ellipsoids": [{"center": [-550, 900, 0], "radii": [100, 70, 100]}]},
+            {"ellipsoids": [{"center": [0, 950, 0], "radii": [90, 80, 100]}]},
+            {"ellipsoids": [{"center": [550, 900, 0], "radii": [100, 70, 100]}]}],
+        "camera": {"position": [0, 900, 1200], "target": [0, 900, 0]}}"#,
+    )
+}
+
+fn drawn(renderer: &mut Renderer, scene: &Scene) -> Picture {
+    draw(renderer, scene, SIZE, false)
+}
+
+fn at_once(lights_at_once: u32) -> Renderer {
+    let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
+    renderer.settings.lights_at_once = lights_at_once;
+    renderer
+}
+
+fn with_sun(azimuth_deg: f64) -> Scene {
+    let mut scene = three_clouds();
+    scene.sun.position = SunPosition::Angles { azimuth_deg, elevation_deg: 30.0 };
+    scene
+}
+
+/// Pixels of the left, middle or right third of a picture.
+fn third(picture: &Picture, part: usize) -> impl Iterator<Item = &[f32; 4]> {
+    let columns = part * picture.width / 3..(part + 1) * picture.width / 3;
+    picture.pixels.chunks(picture.width).flat_map(move |row| &row[columns.clone()])
+}
+
+/// Mean opacity of the three thirds.
+fn opacities(picture: &Picture) -> [f32; 3] {
+    let share = 3.0 / (picture.width * picture.height) as f32;
+    [0, 1, 2].map(|part| share * third(picture, part).map(|pixel| pixel[3]).sum::<f32>())
+}
+
+#[test]
+fn clouds_without_light_wait_for_their_turn_and_then_all_is_as_ever() {
+    let mut some = at_once(1);
+    let shown = [0, 1, 2].map(|_| {
+        let picture = drawn(&mut some, &three_clouds());
+        (opacities(&picture).iter().filter(|opacity| **opacity > 0.01).count(), some.lights_waiting())
+    });
+    assert_eq!(shown, [(1, 2), (2, 1), (3, 0)]);
+    let all = drawn(&mut at_once(u32::MAX), &three_clouds());
+    assert_eq!(drawn(&mut some, &three_clouds()).pixels, all.pixels);
+}
+
+#[test]
+fn while_the_sun_moves_every_cloud_has_its_turn() {
+    let (mut some, mut all) = (at_once(u32::MAX), at_once(u32::MAX));
+    drawn(&mut some, &with_sun(100.0));
+    some.settings.lights_at_once = 1;
+    let mut turns = [0; 3];
+    for azimuth in [120.0, 140.0, 160.0] {
+        let picture = drawn(&mut some, &with_sun(azimuth));
+        assert_eq!(some.lights_waiting(), 2);
+        assert!(opacities(&picture).iter().all(|opacity| *opacity > 0.02));
+        let current = drawn(&mut all, &with_sun(azimuth));
+        for (part, turn) in turns.iter_mut().enumerate() {
+            *turn += i32::from(third(&picture, part).eq(third(&current, part)));
+        }
+    }
+    assert_eq!(turns, [1, 1, 1]);
+}
+
+#[test]
+fn a_cloud_that_moves_keeps_its_light_until_its_turn() {
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &three_clouds());
+    let made = some.light_updates();
+    some.settings.lights_at_once = 0;
+    let mut moved = three_clouds();
+    moved.clouds[1].ellipsoids[0].center.x += 20.0;
+    let picture = drawn(&mut some, &moved);
+    assert_eq!((some.light_updates(), some.lights_waiting()), (made, 1));
+    assert!(opacities(&picture).iter().all(|opacity| *opacity > 0.02));
+}
+
+#[test]
+fn light_of_another_model_does_not_stand_in() {
+    let mut some = at_once(u32::MAX);
+    some.settings.transport = Transport::SINGLE;
+    drawn(&mut some, &three_clouds());
+    (some.settings.transport, some.settings.lights_at_once) = (Transport::MOMENTS, 0);
+    let picture = drawn(&mut some, &three_clouds());
+    assert_eq!(some.lights_waiting(), 3);
+    assert!(picture.pixels.iter().all(|pixel| pixel[3] == 0.0));
+}
+
+/// A small cloud in the middle of a wide thin one, seen from `east` metres beside them.
+fn concentric(east: f64) -> Scene {
+    let mut scene = scene(
+        r#"{"clouds": [
+            {"ellipsoids": [{"center": [0, 900, 0], "radii": [60, 60, 60]}]},
+            {"ellipsoids": [{"center": [0, 900, 0], "radii": [300, 80, 300], "density": 0.02}]}],
+        "camera": {"position": [0, 900, 1200], "target": [0, 900, 0]}}"#,
+    );
+    let camera = scene.camera.as_mut().unwrap();
+    camera.position.x += east;
+    camera.target.x += east;
+    scene
+}
+
+#[test]
+fn clouds_with_one_middle_keep_their_light_while_the_camera_moves() {
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    let made = some.light_updates();
+    for east in [1.0, 2.0, 3.0] {
+        drawn(&mut some, &concentric(east));
+        assert_eq!(some.light_updates(), made, "{east} m to the east");
+    }
+}
+
+#[test]
+fn clouds_with_one_middle_wait_for_no_turn_and_are_lit_by_their_own_light() {
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    some.lights_at_once = 0;
+    let picture = drawn(&mut some, &concentric(0.0));
+    assert_eq!(some.lights_waiting(), 0);
+    assert_eq!(picture.pixels, drawn(&mut at_once(u32::MAX), &concentric(0.0)).pixels);
+}
+
+#[test]
+fn of_clouds_with_one_middle_one_may_be_out_of_view() {
+    // The small one leaves the picture by its edge; the wide one reaches into it.
+    let beside = 850.0;
+    let mut some = at_once(u32::MAX);
+    drawn(&mut some, &concentric(0.0));
+    let made = some.light_updates();
+    for east in [beside, beside + 1.0, beside + 2.0, 0.0] {
+        drawn(&mut some, &concentric(east));
+        assert_eq!(some.light_updates(), made, "{east} m to the east");
+    }
+}

@@ -1,0 +1,27 @@
+//! What draws: every pass and picture against closed forms, references and truth, on one device for all.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod atmosphere;
+mod bench;
+#[path = "../common/mod.rs"]
+mod common;
+mod extremes;
+mod light_turns;
+mod march;
+mod moments;
+mod noise;
+mod pieces;
+mod presets_render;
+mod random_scenes;
+mod skies;
+mod skipping;
+mod sky;
+mod slab_render;
+mod slab_shader;
+mod sprites;
+mod transports;
+mod truth;
+mod truth_laws;
+mod truth_sampling;
+mod volumes;
+mod volumes_drawn;

@@ -1,0 +1,17 @@
+//! What needs no graphics adapter: scenes, files, optics and tables.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod depth;
+mod imports;
+mod optics;
+mod presets;
+#[cfg(feature = "export")]
+#[path = "../common/readers.rs"]
+#[allow(dead_code, reason = "each binary of tests has its own readers")]
+mod readers;
+mod scene;
+mod scene_geometry;
+mod shaders;
+mod slab;
+mod slab_tables;
+mod timeline;

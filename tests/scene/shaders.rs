@@ -1,0 +1,91 @@
+//! Every shader links, parses and validates with every module that can fill its roles; names are unique.
+
+use nephos::{
+    frame::MEDIA,
+    gpu::{ENTRY_POINTS, LIBRARY, Role, link, validate},
+    render::Transport,
+};
+
+/// Every way to fill the roles of shaders.
+fn roles() -> impl Iterator<Item = Vec<Role<'static>>> {
+    MEDIA.iter().flat_map(|medium| Transport::all().map(move |light| [&[*medium], light.roles()].concat()))
+}
+
+/// Ways to link an entry point that differ.
+fn linked(source: &str) -> Vec<String> {
+    let mut all: Vec<_> = roles().map(|roles| link(source, &roles)).collect();
+    all.dedup();
+    all
+}
+
+#[test]
+fn every_shader_validates_with_whatever_fills_its_roles() {
+    for (name, source) in LIBRARY.iter().chain(ENTRY_POINTS) {
+        for text in linked(source) {
+            if let Err(message) = validate(&text) {
+                panic!("{name}: {message}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_library_modules_link_into_one() {
+    let names: Vec<_> = LIBRARY.iter().map(|(name, _)| *name).collect();
+    let all = link(&format!("// @use {}\n", names.join(" ")), &[]);
+    if let Err(message) = validate(&all) {
+        panic!("{message}");
+    }
+}
+
+#[test]
+fn no_stage_binds_more_textures_than_leave_six_free() {
+    let march = ENTRY_POINTS.iter().find(|(name, _)| *name == "march").unwrap().1;
+    let textures = |transport: Transport| {
+        let text = link(march, &[&[MEDIA[0]], transport.roles()].concat());
+        text.lines().filter(|line| line.starts_with("@group") && line.contains(": texture_")).count()
+    };
+    // WebGPU grants 16.
+    for transport in Transport::all() {
+        assert!(textures(transport) <= 16, "{transport}: {}", textures(transport));
+    }
+    assert!(textures(Transport::MOMENTS) <= 10, "{}", textures(Transport::MOMENTS));
+}
+
+#[test]
+fn every_combination_of_overrides_validates() {
+    use wgpu::naga::{back::pipeline_constants::process_overrides, valid};
+    let mut checked = 0;
+    for (name, source) in ENTRY_POINTS {
+        for text in linked(source) {
+            let module = validate(&text).unwrap();
+            let info = valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
+                .validate(&module)
+                .unwrap();
+            let names: Vec<_> = module.overrides.iter().map(|(_, o)| o.name.clone().unwrap()).collect();
+            let all = 1u32 << names.len();
+            // One by one and all but one where there are many.
+            let combinations: Vec<u32> = if names.len() <= 6 {
+                (0..all).collect()
+            } else {
+                (0..names.len()).flat_map(|i| [1 << i, (all - 1) & !(1 << i)]).chain([0, all - 1]).collect()
+            };
+            for combination in combinations {
+                // A pixel has one thread at the least.
+                let least = |name: &str| u32::from(name == "LANES");
+                let value = |(bit, name): (usize, &String)| {
+                    (name.clone(), f64::from(least(name) + (combination >> bit & 1)))
+                };
+                let constants = names.iter().enumerate().map(value).collect();
+                for entry in &module.entry_points {
+                    let stage = Some((entry.stage, entry.name.as_str()));
+                    if let Err(error) = process_overrides(&module, &info, stage, &constants) {
+                        panic!("{name} {constants:?}: {error}");
+                    }
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked > 500, "{checked}");
+}
