@@ -9,7 +9,7 @@ use wgpu::{
 
 /// Layouts of all groups that linked WGSL declares, from group 0 on; a group that is left out is empty.
 pub(super) fn layouts(device: &wgpu::Device, linked: &str) -> Vec<BindGroupLayout> {
-    let declared: Vec<_> = linked.lines().filter_map(declaration).collect();
+    let declared: Vec<_> = linked.split([';', '\n']).filter_map(declaration).collect();
     let groups = declared.iter().map(|(group, _)| group + 1).max().unwrap_or(0);
     let layout = |group| {
         let mut entries: Vec<_> =
@@ -20,11 +20,11 @@ pub(super) fn layouts(device: &wgpu::Device, linked: &str) -> Vec<BindGroupLayou
     (0..groups).map(layout).collect()
 }
 
-/// What a line declares: `@group(0) @binding(1) var<uniform> name: Type;`.
-fn declaration(line: &str) -> Option<(u32, BindGroupLayoutEntry)> {
-    let (group, rest) = line.strip_prefix("@group(")?.split_once(") @binding(")?;
+/// What a statement declares: `@group(0) @binding(1) var<uniform> name: Type`.
+fn declaration(statement: &str) -> Option<(u32, BindGroupLayoutEntry)> {
+    let (group, rest) = statement.trim_start().strip_prefix("@group(")?.split_once(") @binding(")?;
     let (binding, rest) = rest.split_once(") var")?;
-    let (space, kind) = rest.trim_end_matches(';').split_once(": ")?;
+    let (space, kind) = rest.split_once(": ")?;
     let ty = binding_type(space, kind);
     let visibility = if is_written(ty) {
         ShaderStages::FRAGMENT | ShaderStages::COMPUTE
@@ -104,10 +104,10 @@ mod tests {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        assert_eq!(of("@group(0) @binding(3) var<storage, read> list: array<u32>;"), storage(true));
-        assert_eq!(of("@group(0) @binding(3) var<storage, read_write> list: array<u32>;"), storage(false));
-        let depth = of("@group(1) @binding(0) var depth: texture_depth_2d;");
+        assert_eq!(of("@group(0) @binding(3) var<storage, read> list: array<u32>"), storage(true));
+        assert_eq!(of("@group(0) @binding(3) var<storage, read_write> list: array<u32>"), storage(false));
+        let depth = of("@group(1) @binding(0) var depth: texture_depth_2d");
         assert!(matches!(depth, BindingType::Texture { sample_type: TextureSampleType::Depth, .. }));
-        assert!(declaration("let x = 1u;").is_none());
+        assert!(declaration("let x = 1u").is_none());
     }
 }

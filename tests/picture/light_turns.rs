@@ -133,7 +133,7 @@ fn clouds_with_one_middle_keep_their_light_while_the_camera_moves() {
 fn clouds_with_one_middle_wait_for_no_turn_and_are_lit_by_their_own_light() {
     let mut some = at_once(u32::MAX);
     drawn(&mut some, &concentric(0.0));
-    some.lights_at_once = 0;
+    some.settings.lights_at_once = 0;
     let picture = drawn(&mut some, &concentric(0.0));
     assert_eq!(some.lights_waiting(), 0);
     assert_eq!(picture.pixels, drawn(&mut at_once(u32::MAX), &concentric(0.0)).pixels);
