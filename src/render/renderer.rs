@@ -242,7 +242,9 @@ impl Renderer {
             self.counters.clear(encoder);
         }
         self.prepare_sky(encoder, frame);
-        self.prepare_noise(frame.scene.noise.seed);
+        if !frame.clouds.is_empty() {
+            self.prepare_noise(frame.scene.noise.seed);
+        }
         self.prepare_lights(encoder, frame, flush);
         let wanted = (self.transport, self.slab_table);
         if self.slab.as_ref().is_none_or(|(known, _)| *known != wanted) {
