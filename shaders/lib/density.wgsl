@@ -42,18 +42,20 @@ struct Matter {
     // Distance from the deepest such boundary, or from the end of the rise behind it, m: so far
     // would the extinction stay the same, were there no noise. 0 or less where it changes.
     steady: f32,
+    // Distance all around in which there is certainly nothing, m; 0 where that is not known.
+    clear: f32,
     // Species of the densest ellipsoid.
     species: u32,
 }
 
-const CLEAR: Matter = Matter(0.0, -1e30, 0.0, 0u);
+const CLEAR: Matter = Matter(0.0, -1e30, 0.0, 0.0, 0u);
 
 // What is at a `depth` below an edge that noise has yet to displace, m; `blur` is the width of a
 // pixel, m: edges that it could not show are widened to it, about their middle, so that no matter is lost.
 fn matter_below(edge: Edge, depth: f32, noise: vec2f, blur: f32) -> Matter {
     let width = max(edge.rise, blur);
     let d = displaced_depth(edge, depth, noise) + 0.5 * (width - edge.rise);
-    return Matter(edge.extinction * smooth_rise(d / width), d, max(-d, d - width), edge.species);
+    return Matter(edge.extinction * smooth_rise(d / width), d, max(-d, d - width), 0.0, edge.species);
 }
 
 // The union grown by one more ellipsoid.
@@ -68,5 +70,5 @@ fn matter_with(matter: Matter, e: Ellipsoid, u: vec3f, noise: vec2f, blur: f32) 
     let other = select(denser, here.extinction < matter.extinction, deepest);
     let steady = select(matter.steady, here.steady, deepest);
     return Matter(max(matter.extinction, here.extinction), max(matter.depth, here.depth),
-        select(steady, 0.0, other), select(matter.species, here.species, denser));
+        select(steady, 0.0, other), 0.0, select(matter.species, here.species, denser));
 }

@@ -57,10 +57,12 @@ fn depth_edge(volume: DepthVolume, texel: vec4f) -> Edge {
     return Edge(texel.y, texel.z, rise, texel.w, 0u);
 }
 
-// Distance at which a ray leaves the cube of bricks from `low` to before `high`, from outside of it 0.
-fn depth_exit(volume: DepthVolume, low: vec3f, high: vec3f, origin: vec3f, direction: vec3f) -> f32 {
+// Distance along a unit `direction` in which there is nothing, m, from a `place` among the bricks, in a
+// `brick` that tells others to be `far` bricks away.
+fn depth_clear(volume: DepthVolume, place: vec3f, brick: vec3f, far: u32, direction: vec3f) -> f32 {
+    let others = vec3f(max(f32(far), 1.0));
     let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-    let walls = volume.low + volume.brick * select(low, high, steady > vec3f(0.0));
-    let ways = (walls - origin) / steady;
-    return min(ways.x, min(ways.y, ways.z));
+    let walls = select(brick + 1.0 - others, brick + others, steady > vec3f(0.0));
+    let ways = (walls - place) / steady;
+    return volume.brick * max(min(ways.x, min(ways.y, ways.z)), 0.0);
 }

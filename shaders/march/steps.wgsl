@@ -58,13 +58,14 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
         var length = min(wanted * phase, left);
         phase = 1.0;
         count(STEPS, 1u);
-        var matter = Matter(stretch.core, 0.0, 0.0, stretch.species);
+        var matter = Matter(stretch.core, 0.0, 0.0, 0.0, stretch.species);
         if !homogeneous {
-            matter = medium_on_ray(ray.region, light_ray_at(ray, t + 0.5 * length), blur);
+            matter = medium_on_ray(ray.region, light_ray_at(ray, t + 0.5 * length), ray.direction, blur);
             // The step is as long as what it found, within reason.
             let thickest = THICKEST_STEP / max(kept_of(matter.species) * matter.extinction, 1e-6);
             let most = min(thickest, MOST_STRETCHED * wanted);
-            length = min(max(length, min(0.5 * length + STEADY * matter.steady, most)), left);
+            let steady = min(0.5 * length + STEADY * matter.steady, most);
+            length = min(max(length, max(steady, 0.5 * length + matter.clear)), left);
         }
         // Gather the light of this step in closed form.
         let kept = kept_of(matter.species);

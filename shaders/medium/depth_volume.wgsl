@@ -40,34 +40,52 @@ fn depth_texel(at: DepthPlace) -> vec4f {
     return textureSampleLevel(depth_atlas, depth_sampler, coordinate, 0.0);
 }
 
-// What is at a point, with this noise; edges are no sharper than `blur`, m.
-fn baked_at(p: vec3f, noise: vec2f, blur: f32) -> Matter {
-    let at = depth_place(p);
+// What is at a place where the index alone or the depth tells: nothing, or the homogeneous core. Else
+// its extinction is negative. `clear` goes along a direction.
+fn certain_at(at: DepthPlace, texel: vec4f, direction: vec3f) -> Matter {
     let kind = depth_kind(at.entry);
-    let texel = depth_texel(at);
     if kind == DEPTH_CORE {
-        return Matter(volume_frame.core, 1e4, volume_frame.brick, 0u);
+        return Matter(volume_frame.core, 1e4, volume_frame.brick, 0.0, 0u);
     }
-    if kind == DEPTH_EMPTY || texel.x <= 0.0 {
-        let depth = select(texel.x, -volume_frame.brick, kind == DEPTH_EMPTY);
-        return Matter(0.0, depth, -depth, 0u);
+    if kind == DEPTH_EMPTY {
+        let clear = depth_clear(volume_frame, at.place, at.brick, depth_number(at.entry), direction);
+        return Matter(0.0, -volume_frame.brick, 0.0, clear, 0u);
     }
-    return matter_below(depth_edge(volume_frame, texel), texel.x, noise, blur);
+    return Matter(select(-1.0, 0.0, texel.x <= 0.0), texel.x, 0.0, max(-texel.x, 0.0), 0u);
 }
 
 fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
-    return baked_at(p, medium_noise(p, footprint), blur);
+    let at = depth_place(p);
+    let texel = depth_texel(at);
+    let certain = certain_at(at, texel, vec3f(0.0, 1.0, 0.0));
+    if certain.extinction >= 0.0 {
+        return certain;
+    }
+    return matter_below(depth_edge(volume_frame, texel), texel.x, medium_noise(p, footprint), blur);
 }
 
+// What is there on average over the noise.
 fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
-    return baked_at(p, vec2f(0.0), blur);
+    let at = depth_place(p);
+    let texel = depth_texel(at);
+    let certain = certain_at(at, texel, vec3f(0.0, 1.0, 0.0));
+    if certain.extinction >= 0.0 {
+        return certain;
+    }
+    return matter_below(depth_edge(volume_frame, texel), texel.x, vec2f(0.0), blur);
 }
 
-fn medium_on_ray(region: Region, p: vec3f, blur: f32) -> Matter {
+fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matter {
     count(DENSITY, 1u);
-    count(NOISE_READS, 2u);
     count(VOLUME_READS, 2u);
-    return medium_at(region, p, blur, blur);
+    let at = depth_place(p);
+    let texel = depth_texel(at);
+    let certain = certain_at(at, texel, direction);
+    if certain.extinction >= 0.0 {
+        return certain;
+    }
+    count(NOISE_READS, 2u);
+    return matter_below(depth_edge(volume_frame, texel), texel.x, medium_noise(p, blur), blur);
 }
 
 fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
@@ -79,13 +97,9 @@ fn stepped_boundary() -> f32 {
     return volume_frame.boundary / max(1.0, volume_frame.boundary * noise_frame.frequency);
 }
 
-// Bricks that are looked at for what comes next, and steps towards a boundary in one.
-const MOST_BRICKS: u32 = 24u;
-const MOST_APPROACHES: u32 = 6u;
-
-// What lies ahead of `t` on the ray.
+// What lies ahead of `t` on the ray: all of the volume is one stretch, in which what is clear tells how
+// far it is so.
 fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stretch {
-    let nudge = 1e-3 * volume_frame.brick;
     let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
     let a = (volume_frame.low - origin) / steady;
     let b = (volume_frame.low + volume_frame.brick * vec3f(volume_frame.size) - origin) / steady;
@@ -93,45 +107,10 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
     let far = max(a, b);
     let enters = max(near.x, max(near.y, near.z));
     let leaves = min(far.x, min(far.y, far.z));
-    var now = max(t, enters + nudge);
-    if now >= leaves || enters >= leaves {
+    if t >= leaves || enters >= leaves {
         return Stretch(1e30, false, 0.0, 0.0, 0u);
     }
-    // Jump over what is empty.
-    var at = depth_place(origin + now * direction);
-    for (var i = 0u; i < MOST_BRICKS; i++) {
-        count(VOLUME_READS, 1u);
-        if depth_kind(at.entry) != DEPTH_EMPTY || now >= leaves {
-            break;
-        }
-        let clear = vec3f(max(f32(depth_number(at.entry)), 1.0) - 1.0);
-        now = max(now, depth_exit(volume_frame, at.brick - clear, at.brick + clear + 1.0, origin, direction)) + nudge;
-        at = depth_place(origin + now * direction);
-    }
-    if now >= leaves {
-        return Stretch(1e30, false, 0.0, 0.0, 0u);
-    }
-    let exit = max(now, depth_exit(volume_frame, at.brick, at.brick + 1.0, origin, direction)) + nudge;
-    if depth_kind(at.entry) == DEPTH_CORE {
-        if now > t {
-            return Stretch(now, false, 0.0, 0.0, 0u);
-        }
-        return Stretch(exit, true, volume_frame.core, stepped_boundary(), 0u);
-    }
-    // Approach the boundary, which is no nearer than the depth tells.
-    for (var i = 0u; i < MOST_APPROACHES; i++) {
-        count(VOLUME_READS, 1u);
-        let depth = depth_texel(at).x;
-        if depth_kind(at.entry) != DEPTH_STORED || depth >= 0.0 || now >= exit {
-            break;
-        }
-        now += max(-depth, 0.5 * volume_frame.brick / f32(DEPTH_CELLS));
-        at.place = (origin + now * direction - volume_frame.low) / volume_frame.brick;
-    }
-    if now > t {
-        return Stretch(min(now, exit), false, 0.0, 0.0, 0u);
-    }
-    return Stretch(exit, true, 0.0, stepped_boundary(), 0u);
+    return Stretch(select(leaves, enters, t < enters), t >= enters, 0.0, stepped_boundary(), 0u);
 }
 
 // Which way the cloud faces at a point, noise left out: against the slope of the depth. Unit length at

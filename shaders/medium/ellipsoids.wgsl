@@ -154,7 +154,7 @@ fn listed(region: Region, i: u32) -> u32 {
 }
 
 // The union, at a point, of the ellipsoids that the ray is in.
-fn medium_on_ray(region: Region, p: vec3f, blur: f32) -> Matter {
+fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matter {
     let asked = select(holding_count, region.count, crowded);
     count(DENSITY, 1u);
     count(NOISE_READS, 2u);

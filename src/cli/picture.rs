@@ -48,6 +48,10 @@ pub struct PictureOptions {
     /// Leave the sky out: clouds on a transparent ground.
     #[arg(long)]
     pub(super) transparent: bool,
+    /// Ask each ellipsoid of every cloud: those of 256 and more are else drawn from a volume of
+    /// depths.
+    #[arg(long)]
+    exact: bool,
     /// Part of the name of the adapter to use; `nephos info` lists them.
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
@@ -158,9 +162,10 @@ impl PictureOptions {
             self.layers.then(|| "--layers".to_owned()),
             self.quality.map(|quality| format!("--quality {}", word(quality))),
             self.supersample.map(|rays| format!("--supersample {rays}")),
+            self.exact.then(|| "--exact".to_owned()),
         ];
-        let first = |words: [Option<String>; 3]| words.into_iter().flatten().next();
-        match (first(of_paths), first(of_others)) {
+        let first = |words: &[Option<String>]| words.iter().flatten().next().cloned();
+        match (first(&of_paths), first(&of_others)) {
             (Some(given), _) if !self.traces_paths() => {
                 refuse(format!("{given} is for --transport path: add that or leave it out"))
             }
@@ -213,6 +218,9 @@ impl PictureOptions {
             QualityName::Preview => Quality::PREVIEW,
             QualityName::Final => Quality::FINAL,
         };
+        if self.exact {
+            renderer.settings.bake_from = u32::MAX;
+        }
         // What is drawn beside a path traced picture has no clouds.
         renderer.settings.transport = self.transport.0.unwrap_or_default();
         renderer

@@ -23,5 +23,5 @@ pub(crate) use shader::{Shader, draw_screen, screen_pipeline};
 pub use texture::{
     TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
 };
-pub(crate) use texture::{UNIFORM, mip, view};
+pub(crate) use texture::{UNIFORM, linear_clamp_flat, mip, view};
 pub use timing::{PassTime, Timing};

@@ -82,8 +82,20 @@ pub fn linear_clamp(device: &wgpu::Device) -> wgpu::Sampler {
     sampler(device, wgpu::AddressMode::ClampToEdge)
 }
 
-fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
+/// The same within one mip level, for textures that have no others.
+pub(crate) fn linear_clamp_flat(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
+        mipmap_filter: wgpu::MipmapFilterMode::Nearest,
+        ..linear(wgpu::AddressMode::ClampToEdge)
+    })
+}
+
+fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
+    device.create_sampler(&linear(address))
+}
+
+fn linear(address: wgpu::AddressMode) -> wgpu::SamplerDescriptor<'static> {
+    wgpu::SamplerDescriptor {
         label: Some("linear"),
         address_mode_u: address,
         address_mode_v: address,
@@ -92,7 +104,7 @@ fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
         min_filter: wgpu::FilterMode::Linear,
         mipmap_filter: wgpu::MipmapFilterMode::Linear,
         ..Default::default()
-    })
+    }
 }
 
 /// What a buffer must be good for that shaders take as uniform: some devices get it as storage.

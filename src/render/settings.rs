@@ -3,7 +3,7 @@
 use super::{Quality, Transport};
 
 /// From so many ellipsoids on a volume of depths is the cheaper way: docs/scale.md.
-const BAKE_FROM: u32 = 100;
+const BAKE_FROM: u32 = 256;
 
 /// What a renderer is told once and may be told anew between pictures.
 #[derive(Debug, Clone, Copy, PartialEq)]

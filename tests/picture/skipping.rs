@@ -123,6 +123,19 @@ fn only_models_of_slabs_have_maps_seen_from_the_sun() {
 }
 
 #[test]
+fn a_picture_without_clouds_makes_no_noise_and_the_first_cloud_has_it() {
+    let cloud = one(r#"{"boundary": 40}"#);
+    let empty = Scene { clouds: Vec::new(), camera: Some(cloud.camera()), ..cloud.clone() };
+    let mut late = renderer(Quality::DRAFT, Transport::SINGLE);
+    draw(&mut late, &empty, SIZE, false);
+    assert_eq!(late.noise_updates(), 0);
+    let first = draw(&mut late, &cloud, SIZE, false);
+    assert_eq!(late.noise_updates(), 1);
+    let at_once = draw(&mut renderer(Quality::DRAFT, Transport::SINGLE), &cloud, SIZE, false);
+    assert_eq!(first.pixels, at_once.pixels);
+}
+
+#[test]
 fn a_moved_sun_makes_no_noise() {
     let mut cloud = one(r#"{"boundary": 40}"#);
     let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);

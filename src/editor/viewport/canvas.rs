@@ -197,7 +197,8 @@ impl Canvas {
         self.stage = Stage::Moving;
         self.error = None;
         let started = Instant::now();
-        let mut work = self.begin(Stage::Moving, size, 1)?;
+        let frame = self.frame(Stage::Moving, size)?;
+        let mut work = self.begin(&frame, Stage::Moving, 1)?;
         self.lit(work.began, budget.mul_f64(LIGHT_SHARE));
         self.draw(&mut work, u32::MAX)?;
         let spent = started.elapsed();
@@ -262,7 +263,7 @@ impl Canvas {
             return Ok(None);
         }
         let before = std::mem::take(&mut self.lighting_spent);
-        let mut work = self.begin(stage, size, rays)?;
+        let mut work = self.begin(&frame, stage, rays)?;
         work.began += before + spent;
         work.spent = before;
         Ok(Some(work))
@@ -290,8 +291,9 @@ impl Canvas {
         subject.frame(size)
     }
 
-    fn begin(&mut self, stage: Stage, size: [u32; 2], rays: u32) -> Result<Work> {
-        let frame = self.frame(stage, size)?;
+    /// Begins a picture of `frame`, for which the renderer is set.
+    fn begin(&mut self, frame: &Frame, stage: Stage, rays: u32) -> Result<Work> {
+        let size = frame.size();
         let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
         let started = Instant::now();
         let mut encoder = self.encoder();
@@ -299,15 +301,15 @@ impl Canvas {
             Layer::Beauty => {
                 let texture = self.renderer.picture("viewport", size, LINEAR);
                 let target = Target { color: &view(&texture), depth: None, sky: true };
-                let pieces = self.renderer.begin_pieces(&mut encoder, &frame, &target);
+                let pieces = self.renderer.begin_pieces(&mut encoder, frame, &target);
                 (Source::Beauty(texture), pieces)
             }
             Layer::Cost => {
-                let (texture, pieces) = self.renderer.begin_cost(&mut encoder, &frame);
+                let (texture, pieces) = self.renderer.begin_cost(&mut encoder, frame);
                 (Source::Cost(texture), pieces)
             }
             _ => {
-                let (layers, pieces) = self.renderer.begin_layers(&mut encoder, &frame);
+                let (layers, pieces) = self.renderer.begin_layers(&mut encoder, frame);
                 (Source::Layers(Box::new(layers)), pieces)
             }
         };

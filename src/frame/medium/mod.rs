@@ -144,7 +144,7 @@ impl Common {
         layout: &wgpu::BindGroupLayout,
         volume: &DepthVolume,
     ) -> wgpu::BindGroup {
-        let sampler = gpu::linear_clamp(device);
+        let sampler = gpu::linear_clamp_flat(device);
         let rest = [
             wgpu::BindingResource::TextureView(&volume.index),
             wgpu::BindingResource::TextureView(&volume.atlas),

@@ -6,6 +6,8 @@
 //! octaves, and the mip chain is left for what it is good at: leaving out what a pixel
 //! cannot show.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::{DQuat, DVec3, Vec4};
 use half::f16;
 use noise::{
@@ -153,18 +155,39 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, seed: u32) -> w
             usage: wgpu::TextureUsages::empty(),
         },
     );
-    let mut level = bake(seed);
-    let mut size = SIZE;
-    for mip in 0..texture.mip_level_count() {
-        write_level(queue, &texture, mip, size, &level);
-        size /= 2;
-        level = halved(&level, size);
+    for (mip, texels) in (0..).zip(levels(seed).iter()) {
+        write_level(queue, &texture, mip, SIZE >> mip, texels);
     }
     texture
 }
 
-fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32, level: &[[f32; 2]]) {
-    let texels: Vec<[f16; 2]> = level.iter().map(|texel| texel.map(f16::from_f32)).collect();
+/// The noise as textures take it, finest level first.
+type Levels = Arc<Vec<Vec<[f16; 2]>>>;
+
+/// Noise of the seeds asked for lately: each renderer, path tracer and voxel grid takes its own copy
+/// to the device.
+static KNOWN: Mutex<Vec<(u32, Levels)>> = Mutex::new(Vec::new());
+const MOST_KNOWN: usize = 4;
+
+/// The noise of a seed with its mip chain, baked once for as long as it is known.
+fn levels(seed: u32) -> Levels {
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, levels)) = known.iter().find(|(other, _)| *other == seed) {
+        return levels.clone();
+    }
+    let halves = |level: &Vec<[f32; 2]>| level.iter().map(|texel| texel.map(f16::from_f32)).collect();
+    let coarser = |level: &Vec<[f32; 2]>| {
+        let size = level.len().ilog2() / 3;
+        (size > 0).then(|| halved(level, 1 << (size - 1)))
+    };
+    let levels: Levels =
+        Arc::new(std::iter::successors(Some(bake(seed)), coarser).map(|level| halves(&level)).collect());
+    known.truncate(MOST_KNOWN - 1);
+    known.insert(0, (seed, levels.clone()));
+    levels
+}
+
+fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32, texels: &[[f16; 2]]) {
     queue.write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
@@ -172,7 +195,7 @@ fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32
             origin: wgpu::Origin3d::ZERO,
             aspect: wgpu::TextureAspect::All,
         },
-        bytemuck::cast_slice(&texels),
+        bytemuck::cast_slice(texels),
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size), rows_per_image: Some(size) },
         wgpu::Extent3d { width: size, height: size, depth_or_array_layers: size },
     );
@@ -264,6 +287,14 @@ mod tests {
             size /= 2;
             level = halved(&level, size);
         }
+    }
+
+    #[test]
+    fn noise_of_a_seed_is_baked_once_with_all_its_levels() {
+        let (one, again, other) = (levels(91), levels(91), levels(92));
+        assert!(Arc::ptr_eq(&one, &again) && one != other);
+        let sizes: Vec<_> = one.iter().map(|level| level.len().ilog2() / 3).collect();
+        assert_eq!(sizes, [6, 5, 4, 3, 2, 1, 0]);
     }
 
     #[test]
