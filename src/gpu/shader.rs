@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{
     group::{bind_group, layouts},
-    link::{Role, entry_point, link},
+    link::{Role, entry_point},
 };
 
 /// A shader with its roles filled, and the layouts of its bind groups.
@@ -62,7 +62,6 @@ pub(super) const MOST_BUFFERS: u32 = 12;
 /// A compute shader.
 pub struct ComputeProgram {
     pipeline: wgpu::ComputePipeline,
-    groups: Vec<wgpu::BindGroupLayout>,
     name: &'static str,
 }
 
@@ -79,32 +78,15 @@ impl ComputeProgram {
         roles: &[Role<'_>],
         overrides: &[(&str, f64)],
     ) -> Self {
-        Self::from_shader(device, name, Shader::new(device, name, roles), overrides)
+        let Shader { module, layout, .. } = Shader::new(device, name, roles);
+        Self { pipeline: compute_pipeline(device, name, &module, Some(&layout), overrides), name }
     }
 
-    /// The same from text that is not in [`super::ENTRY_POINTS`]: for tests of single functions.
-    pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
-        Self::from_shader(device, name, Shader::from_text(device, name, link(source, &[])), &[])
-    }
-
-    fn from_shader(
-        device: &wgpu::Device,
-        name: &'static str,
-        shader: Shader,
-        overrides: &[(&str, f64)],
-    ) -> Self {
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(name),
-            layout: Some(&shader.layout),
-            module: &shader.module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                constants: overrides,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        Self { pipeline, groups: shader.groups, name }
+    /// The same from linked text that is not in [`super::ENTRY_POINTS`]: for tests of single functions,
+    /// which bind only what those use.
+    pub fn from_source(device: &wgpu::Device, name: &'static str, linked: String) -> Self {
+        let module = Shader::from_text(device, name, linked).module;
+        Self { pipeline: compute_pipeline(device, name, &module, None, &[]), name }
     }
 
     /// Records a dispatch into a pass that is open: dispatches of one pass follow one another,
@@ -118,8 +100,8 @@ impl ComputeProgram {
     }
 
     /// The layout of bind group `group`.
-    pub fn layout(&self, group: usize) -> &wgpu::BindGroupLayout {
-        &self.groups[group]
+    pub fn layout(&self, group: u32) -> wgpu::BindGroupLayout {
+        self.pipeline.get_bind_group_layout(group)
     }
 
     /// A bind group for this program's group 0: entry `i` goes to binding `i`.
@@ -128,7 +110,7 @@ impl ComputeProgram {
         device: &wgpu::Device,
         resources: &[Option<wgpu::BindingResource<'_>>],
     ) -> wgpu::BindGroup {
-        bind_group(device, self.name, &self.groups[0], resources)
+        bind_group(device, self.name, &self.layout(0), resources)
     }
 
     /// Records a dispatch of `size` workgroups.
@@ -145,6 +127,23 @@ impl ComputeProgram {
         });
         self.record(&mut pass, groups, size);
     }
+}
+
+fn compute_pipeline(
+    device: &wgpu::Device,
+    name: &str,
+    module: &wgpu::ShaderModule,
+    layout: Option<&wgpu::PipelineLayout>,
+    overrides: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(name),
+        layout,
+        module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() },
+        cache: None,
+    })
 }
 
 /// The pipeline of the shader called `name` whose functions `vertex` and `fragment` draw one

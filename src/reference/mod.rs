@@ -170,7 +170,7 @@ impl PathTracer {
         let group = program.bind(device, &resources);
         Ok(Self {
             gpu: gpu.clone(),
-            medium: world.bind(gpu, program.layout(1)),
+            medium: world.bind(gpu, &program.layout(1)),
             program,
             group,
             uniform,

@@ -65,7 +65,7 @@ pub fn evaluate_bound<const N: usize>(
     let flat: Vec<[f32; 4]> = inputs.iter().flatten().copied().collect();
     let input = storage_buffer(&gpu.device, "inputs", &flat);
     let output = storage_buffer(&gpu.device, "outputs", &vec![[0.0f32; 4]; inputs.len()]);
-    let program = ComputeProgram::from_source(&gpu.device, "kernel", &source);
+    let program = ComputeProgram::from_source(&gpu.device, "kernel", nephos::gpu::link(&source, &[]));
     let mut bindings = vec![Some(input.as_entire_binding()), Some(output.as_entire_binding())];
     bindings.extend(resources.iter().cloned().map(Some));
     let group = program.bind(&gpu.device, &bindings);

@@ -105,7 +105,7 @@ fn with_tables(sky: &Sky, body: &str, inputs: &[[f32; 4]]) -> Vec<[f32; 4]> {
     );
     let gpu = gpu();
     let values = storage_buffer(&gpu.device, "values", inputs);
-    let program = ComputeProgram::from_source(&gpu.device, "tables", &source);
+    let program = ComputeProgram::from_source(&gpu.device, "tables", link(&source, &[]));
     let group = program.bind(
         &gpu.device,
         &[

@@ -55,12 +55,13 @@ fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>)
         }}"
     );
     let device = &gpu().device;
-    let program = ComputeProgram::from_source(device, "scatterings", &source);
+    let program =
+        ComputeProgram::from_source(device, "scatterings", gpu::link(&source, &nephos::frame::MEDIA[..1]));
     let table = storage_buffer(device, "phase tables", &phase_table(droplets).unwrap());
     let counts = storage_buffer(device, "counts", &[0u32; BINS + AZIMUTHS]);
     let values = storage_buffer(device, "values", &[[0.0f32; 4]; BINS]);
     let mut bindings = vec![None; 19];
-    bindings[8] = Some(table.as_entire_binding());
+    bindings[5] = Some(table.as_entire_binding());
     bindings[17] = Some(counts.as_entire_binding());
     bindings[18] = Some(values.as_entire_binding());
     let group = program.bind(device, &bindings);
@@ -143,7 +144,7 @@ fn free_paths() -> Vec<u32> {
                     if step.outside {{
                         break;
                     }}
-                    if step.tentative && draw() < step.point.extinction / step.majorant {{
+                    if step.tentative && draw() < step.matter.extinction / step.majorant {{
                         through = exp(-{EXTINCTION} * (p.x - 10.0));
                         break;
                     }}
@@ -153,7 +154,8 @@ fn free_paths() -> Vec<u32> {
         }}"
     );
     let device = &gpu().device;
-    let program = ComputeProgram::from_source(device, "free paths", &source);
+    let program =
+        ComputeProgram::from_source(device, "free paths", gpu::link(&source, &nephos::frame::MEDIA[..1]));
     // Members of `Scene` that tracking reads: the cells' corner, edge and number.
     let mut scene = [0u32; 24];
     scene[..7].copy_from_slice(
@@ -166,6 +168,8 @@ fn free_paths() -> Vec<u32> {
         .into_iter()
         .flat_map(|i| -> [f32; 4] { axis(i) })
         .chain([0.0, 0.0, 0.0, EXTINCTION, 0.0, 1e-3, 0.0, 0.0])
+        // Its species, the first, and padding.
+        .chain([0.0; 4])
         .collect();
     let no_noise = gpu::texture(
         device,
@@ -183,29 +187,32 @@ fn free_paths() -> Vec<u32> {
         gpu::uniform_buffer(device, "scene", &scene),
         gpu::uniform_buffer(device, "noise frame", &[0.0f32; 28]),
     ];
-    let [ellipsoids, media] = [bytemuck::cast_slice(&ellipsoid), &[0u32][..]]
-        .map(|data: &[u32]| storage_buffer(device, "ellipsoids and media", data));
+    let ellipsoids = storage_buffer(device, "ellipsoids", &ellipsoid);
     let cells = storage_buffer(device, "cells", &cells);
     let candidates = storage_buffer(device, "candidates", &[0u32]);
     let counts = storage_buffer(device, "counts", &[0u32; FREE_PATHS]);
     let mut bindings = vec![None; 18];
-    let buffers = [
-        (0, &uniforms[0]),
-        (2, &uniforms[1]),
-        (4, &ellipsoids),
-        (5, &media),
-        (6, &cells),
-        (7, &candidates),
-        (17, &counts),
-    ];
-    for (place, buffer) in buffers {
+    for (place, buffer) in [(0, &uniforms[0]), (3, &cells), (4, &candidates), (17, &counts)] {
         bindings[place] = Some(buffer.as_entire_binding());
     }
-    bindings[12] = Some(wgpu::BindingResource::TextureView(&no_noise));
-    bindings[13] = Some(wgpu::BindingResource::Sampler(&repeat));
     let group = program.bind(device, &bindings);
+    // The medium.
+    let texture = wgpu::BindingResource::TextureView(&no_noise);
+    let resources = [
+        (0, ellipsoids.as_entire_binding()),
+        (2, uniforms[1].as_entire_binding()),
+        (3, texture),
+        (4, wgpu::BindingResource::Sampler(&repeat)),
+    ];
+    let entries = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
+    let layout = program.layout(1);
+    let medium = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: None,
+        layout: &layout,
+        entries: &entries,
+    });
     let mut encoder = device.create_command_encoder(&Default::default());
-    program.dispatch(&mut encoder, &[&group], [32, 1, 1], None);
+    program.dispatch(&mut encoder, &[&group, &medium], [32, 1, 1], None);
     gpu().queue.submit([encoder.finish()]);
     read_buffer(gpu(), &counts).unwrap()
 }

@@ -273,16 +273,35 @@ pub fn twins() -> Vec<Twin> {
         Twin::new(
             "displaced_depth",
             "density",
-            "return vec4f(displaced_depth(make(x), x[5].w * 10.0, x[7].xy));",
+            "return vec4f(displaced_depth(edge_of(make(x)), x[5].w * 10.0, x[7].xy));",
             |x| one(10.0 - depth(x) + displaced(x, [x[7][0], x[7][1]])),
         )
         .declaring(MAKE)
         .edges(edges(true, OFF_CENTER))
         .over("within", within),
+        Twin::new("edge_of", "density", "let e = edge_of(make(x)); return vec4f(e.extinction, e.displacement, e.rise, e.wispiness);", |x| {
+            [x[3][3], x[4][0], x[4][1], x[4][2]]
+        })
+        .declaring(MAKE)
+        .edges(edges(true, OFF_CENTER)),
+        Twin::new(
+            "matter_below",
+            "density",
+            "let m = matter_below(edge_of(make(x)), 10.0, x[7].xy, x[7].z);
+             return vec4f(m.extinction, m.depth, m.steady, f32(m.species) + m.clear);",
+            |x| {
+                let width = f64::max(x[4][1], x[7][2]);
+                let noise = displaced(x, [x[7][0], x[7][1]]) - depth(x);
+                let d = 10.0 + noise + 0.5 * (width - x[4][1]);
+                [x[3][3] * rise(d / width), d, f64::max(-d, d - width), 3.0]
+            },
+        )
+        .declaring(MAKE)
+        .edges(edges(true, OFF_CENTER)),
         Twin::new(
             "matter_with",
             "density",
-            "let m = matter_with(Matter(0.01, -3.0, 7.0, 1u), make(x), x[5].xyz, x[7].xy, x[7].z);
+            "let m = matter_with(Matter(0.01, -3.0, 7.0, 0.0, 1u), make(x), x[5].xyz, x[7].xy, x[7].z);
              return vec4f(m.extinction, m.depth, m.steady, f32(m.species));",
             matter,
         )

@@ -23,8 +23,8 @@ fn seed(random: &mut Random) -> Input {
 /// Unpacks a box whose columns lean.
 const LEANING: &str = "
     fn leaning(x: array<vec4f, 8>) -> LightBox {
-        return LightBox(x[0].xyz, 1.0, x[3].xyz, 0.0, x[4].xyz, 1u, x[5].xyz, 1u, x[6].xyz, 0.0, x[7].xyz, 0.0,
-            vec3f(x[3].w, x[4].w, x[5].w), x[6].w);
+        return LightBox(x[0].xyz, 1.0, x[3].xyz, x[6].w, x[4].xyz, 0.0, x[5].xyz, 0.0, x[6].xyz, 0.0, x[7].xyz, 0.0,
+            vec3f(x[3].w, x[4].w, x[5].w), 0.0);
     }";
 
 /// Packs a box: its corner, a point and coordinates in it, rows of its map (w: the direction of
@@ -105,7 +105,93 @@ pub fn twins() -> Vec<Twin> {
     let mut all = boxes();
     all.extend(fields());
     all.extend(numbers());
+    all.extend(depths());
     all
+}
+
+/// A volume of 3 by 2 slots whose bricks are 40 m, and edges of which 6 to 40 % rise.
+const DEPTHS: &str = "fn volume() -> DepthVolume {
+    return DepthVolume(vec3f(-10.0, 20.0, 5.0), 40.0, vec3u(5u, 4u, 3u), 0.05, vec3f(0.01, 0.02, 0.04), 30.0,
+        vec2u(3u, 2u), vec2f(0.06, 0.4));
+}";
+
+/// Where the slot of a brick begins, texels.
+fn slot(brick: f64) -> DVec3 {
+    9.0 * DVec3::new(brick % 3.0, (brick / 3.0).floor() % 2.0, (brick / 6.0).floor())
+}
+
+/// A place in a brick of which others are some bricks away, and a direction.
+fn clear_place(random: &mut Random) -> Input {
+    let brick = DVec3::from([0; 3].map(|_| random.index(9) as f64));
+    let inside = DVec3::from([0; 3].map(|_| random.between(0.01, 0.99)));
+    input([
+        vector(brick + inside, 1.0 + random.index(4) as f64),
+        vector(random.direction(), 0.0),
+        vector(brick, 0.0),
+    ])
+}
+
+/// The way to the nearest wall of the cube of empty bricks around the place's own.
+fn clear_way(x: &Wide) -> f64 {
+    let (place, far, direction, brick) = (xyz(x[0]), x[0][3], xyz(x[1]), xyz(x[2]));
+    let ways = (0..3).map(|i| {
+        let wall = if direction[i] > 0.0 { brick[i] + far } else { brick[i] + 1.0 - far };
+        (wall - place[i]) / direction[i]
+    });
+    40.0 * ways.fold(f64::INFINITY, f64::min)
+}
+
+fn depths() -> Vec<Twin> {
+    vec![
+        Twin::new("depth_kind", "depth_volume", "return vec4f(f32(depth_kind(u32(x[0].x) << 30u | u32(x[0].y))));", |x| {
+            one(x[0][0])
+        })
+        .exact()
+        .edges(plane(&[0.0, 1.0, 2.0], &[0.0, 7.0, 2047.0])),
+        Twin::new(
+            "depth_number",
+            "depth_volume",
+            "return vec4f(f32(depth_number(u32(x[0].x) << 30u | u32(x[0].y))));",
+            |x| one(x[0][1]),
+        )
+        .exact()
+        .edges(plane(&[0.0, 1.0, 2.0], &[0.0, 7.0, 2047.0])),
+        Twin::new("depth_slot", "depth_volume", "return vec4f(vec3f(depth_slot(volume(), u32(x[0].x))), 0.0);", |x| {
+            three(slot(x[0][0]))
+        })
+        .declaring(DEPTHS)
+        .exact()
+        .edges(line(&[0.0, 1.0, 2.0, 3.0, 5.0, 6.0, 11.0, 17.0])),
+        Twin::new(
+            "depth_coordinate",
+            "depth_volume",
+            "return vec4f(depth_coordinate(volume(), u32(x[0].w), x[0].xyz), 0.0);",
+            |x| three((slot(x[0][3]) + 0.5 + 8.0 * xyz(x[0])) * DVec3::new(0.01, 0.02, 0.04)),
+        )
+        .declaring(DEPTHS)
+        .edges(grid(&[0.0, 0.3, 1.0], &[0.0, 0.5, 1.0], &[0.2, 1.0], &[0.0, 4.0, 11.0])),
+        Twin::new(
+            "depth_edge",
+            "depth_volume",
+            "let e = depth_edge(volume(), x[0]); return vec4f(e.extinction, e.displacement, e.rise, e.wispiness);",
+            |x| {
+                // Rise and displacement are the boundary together.
+                let share = 0.06 + 0.34 * x[0][3];
+                let boundary = x[0][2] / (1.0 - share);
+                [x[0][1], x[0][2], f64::max(share * boundary, 1e-3), x[0][3]]
+            },
+        )
+        .declaring(DEPTHS)
+        .edges(grid(&[5.0], &[0.03, 0.1], &[0.0, 20.0, 300.0], &[0.0, 0.4, 1.0])),
+        Twin::new(
+            "depth_clear",
+            "depth_volume",
+            "return vec4f(depth_clear(volume(), x[0].xyz, x[2].xyz, u32(x[0].w), x[1].xyz));",
+            |x| one(clear_way(x)),
+        )
+        .declaring(DEPTHS)
+        .over("all", clear_place),
+    ]
 }
 
 fn boxes() -> Vec<Twin> {

@@ -9,8 +9,8 @@ use crate::harness::{Input, Output, Random, Twin, Wide};
 use crate::pack::{grid, input, line, one, scalars, two, vector, xyz};
 
 const FIT: &str = "fn fit(x: array<vec4f, 8>) -> SlabFit {
-    let box = LightBox(x[0].xyz, 1.0, vec3f(0.0), 0.0, vec3f(0.0), 1u, vec3f(0.0), 1u, x[6].xyz, 0.0, x[7].xyz, 0.0,
-        x[5].xyz, x[6].w);
+    let box = LightBox(x[0].xyz, 1.0, vec3f(0.0), x[6].w, vec3f(0.0), 0.0, vec3f(0.0), 0.0, x[6].xyz, 0.0,
+        x[7].xyz, 0.0, x[5].xyz, 0.0);
     return slab_fit_of(box, x[2].xy, x[1], x[3].xyz, x[4].xyz, 1u);
 }";
 

@@ -211,7 +211,7 @@ impl<'a> Sampler<'a> {
         let program = ComputeProgram::with_roles(device, "voxels", &[ELLIPSOIDS], &[]);
         let values = vec![[0f32; BLOCK_VOXELS]; BLOCKS_AT_ONCE];
         Self {
-            medium: world.bind(gpu, program.layout(1)),
+            medium: world.bind(gpu, &program.layout(1)),
             program,
             grid,
             origin: world.origin,
