@@ -12,8 +12,9 @@ demo: driver
 	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
 	@echo "The picture is $(CURDIR)/$(PICTURE)"
 
+# One process for each binary: tests share a device and its compiled shaders. One that fails hides no other.
 test: driver screen readers movies
-	cargo test --all-features
+	cargo test --all-features --no-fail-fast
 
 lint:
 	cargo fmt --check
