@@ -7,7 +7,7 @@ use glam::{UVec3, Vec3};
 use super::{ellipsoids::EllipsoidUniform, light_box::LightBox};
 
 /// Edge of a brick, voxels: that of `shaders/lib/light_box.wgsl`.
-const BRICK: u32 = 8;
+pub(super) const BRICK: u32 = 8;
 /// Rounding of coordinates, voxels.
 const SLACK: f32 = 0.02;
 

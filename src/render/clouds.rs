@@ -246,7 +246,7 @@ fn variant(shared: &Shared<'_>, cloud: &CloudFrame, entry: &'static str) -> Vari
 }
 
 /// Room for light nodes in the shader.
-const MOST_NODES: u32 = 8;
+pub(super) const MOST_NODES: u32 = 8;
 
 fn uniform(shared: &Shared<'_>, cloud: &CloudFrame, light: &CloudLight) -> CloudUniform {
     let frame = shared.frame;

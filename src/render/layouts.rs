@@ -1,24 +1,27 @@
-//! The structs that Rust and the shaders share, compared member by member.
+//! What Rust and the shaders share: structs, compared member by member, and constants.
 
 use std::mem::{offset_of, size_of};
 
-use wgpu::naga::{TypeInner, proc::Layouter};
+use wgpu::naga::{Expression, Literal, TypeInner, proc::Layouter};
 
 use super::{
+    bricks::BRICK,
     camera::CameraUniform,
-    clouds::CloudUniform,
+    clouds::{CloudUniform, MOST_NODES},
     compose::ComposeUniform,
     ellipsoids::EllipsoidUniform,
     light_box::LightBox,
     moments::FieldUniform,
-    noise::NoiseFrame,
-    resolve::ResolveUniform,
+    noise::{FINE, NoiseFrame},
+    resolve::{ResolveUniform, Shown, uniform},
     tiles::Tile,
-    voxels::{BlockUniform, VoxelsUniform},
+    voxels::{BLOCK_EDGE, BLOCK_VOXELS, BlockUniform, VoxelsUniform},
 };
 use crate::{
     gpu,
-    reference::{PATH_BYTES, SUM_FLOATS, SceneUniform},
+    optics::slab::{SETS, axes, samples},
+    reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
+    scene::{Tone, ToneCurve},
 };
 
 /// Name, offset and size of each member, and the size of the whole.
@@ -106,4 +109,50 @@ fn structs_of_rust_and_shaders_agree() {
 fn storage_of_paths_has_the_size_that_the_shader_takes() {
     assert_eq!(in_shader("path", "Path").1 as usize, PATH_BYTES);
     assert_eq!(in_shader("path", "Sum").1 as usize, 4 * SUM_FLOATS);
+}
+
+/// A number at the head of a linked shader.
+fn constant(entry_point: &str, name: &str) -> f32 {
+    let module = gpu::validate(&gpu::entry_point(entry_point)).unwrap();
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let (_, found) = found.unwrap_or_else(|| panic!("{entry_point} has no {name}"));
+    match module.global_expressions[found.init] {
+        Expression::Literal(Literal::U32(number)) => number as f32,
+        Expression::Literal(Literal::F32(number)) => number,
+        ref other => panic!("{name} is no number: {other:?}"),
+    }
+}
+
+#[test]
+fn constants_of_rust_and_shaders_agree() {
+    let tone = |curve| ComposeUniform::new(Tone { stops: 0.0, curve }).curve as f32;
+    let shown = |shown| uniform(1, shown).shown as f32;
+    let cases = [
+        ("clouds", "BRICK", BRICK as f32),
+        ("clouds", "MOST_NODES", MOST_NODES as f32),
+        ("clouds", "FINE", FINE as f32),
+        ("clouds", "PERSPECTIVE", CameraUniform::PERSPECTIVE as f32),
+        ("clouds", "ORTHOGRAPHIC", CameraUniform::ORTHOGRAPHIC as f32),
+        ("clouds", "EQUIRECTANGULAR", CameraUniform::EQUIRECTANGULAR as f32),
+        ("clouds", "SLAB_SETS", SETS as f32),
+        ("clouds", "SLAB_THINNEST", axes::THICKNESS[0] as f32),
+        ("clouds", "SLAB_THICKEST", axes::THICKNESS[1] as f32),
+        ("clouds", "SLAB_LOWEST_SUN", axes::LOWEST_SUN as f32),
+        ("clouds", "SLAB_FACE", axes::FACE as f32),
+        ("clouds", "SLAB_DIRECT_THICKNESSES", samples::THICKNESSES as f32),
+        ("path", "ANGLES", reference::ANGLES as f32),
+        ("compose", "TONE_FILMIC", tone(ToneCurve::Filmic)),
+        ("compose", "TONE_SOFT", tone(ToneCurve::Soft)),
+        ("compose", "TONE_LINEAR", tone(ToneCurve::Linear)),
+        ("resolve", "BEAUTY", shown(Shown::Beauty)),
+        ("resolve", "LIGHT", shown(Shown::Light)),
+        ("resolve", "TRANSMITTANCE", shown(Shown::Transmittance)),
+        ("resolve", "NORMAL", shown(Shown::Normal)),
+        ("resolve", "HEAT", shown(Shown::Heat(1.0))),
+        ("voxels", "EDGE", BLOCK_EDGE as f32),
+        ("voxels", "VOXELS", BLOCK_VOXELS as f32),
+    ];
+    for (shader, name, rust) in cases {
+        assert_eq!(constant(shader, name), rust, "{name} of {shader}");
+    }
 }

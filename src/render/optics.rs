@@ -10,7 +10,7 @@ use crate::{
     optics::{
         peak::Chopped,
         phase::{Phase, angle_at},
-        slab::{Medium, angles::legendre_series, moments},
+        slab::{Medium, angles::legendre_series, axes::path_at, moments},
     },
     scene::Droplets,
 };
@@ -146,15 +146,14 @@ fn ahead(medium: &Medium) -> f64 {
     medium.chi[4].max(0.0)
 }
 
-/// A small-angle remainder of red, green and blue by rows of optical depth, whose places
-/// `slab_path_coordinate` of `shaders/lib/slab.wgsl` tells, from its terms by degree.
+/// A small-angle remainder of red, green and blue by rows of optical depth, at coordinates of paths,
+/// from its terms by degree.
 fn table(media: &[Medium; 3], terms: impl Fn(&Medium, f64) -> Vec<f64>) -> Vec<[f16; 4]> {
     let [width, height] = REMAINDER;
     let cosine: Vec<f64> = (0..width).map(|i| angle_at((i as f64 + 0.5) / width as f64).cos()).collect();
     let mut texels = Vec::with_capacity(width * height);
     for row in 0..height {
-        let coordinate = (row as f64 + 0.5) / height as f64;
-        let path = 4.0 * coordinate / (1.0 - coordinate);
+        let path = path_at((row as f64 + 0.5) / height as f64);
         let terms = media.each_ref().map(|medium| terms(medium, path));
         texels.extend(cosine.iter().map(|cosine| {
             [0, 1, 2, 1].map(|channel: usize| f16::from_f64(legendre_series(&terms[channel], *cosine)))
