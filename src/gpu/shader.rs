@@ -97,29 +97,57 @@ fn has_slow_uniforms(device: &wgpu::Device) -> bool {
 /// 4 that are uniform.
 pub(super) const MOST_BUFFERS: u32 = 12;
 
+/// Threads of a workgroup of linked WGSL along each axis, by its `@workgroup_size`: numbers, constants, and
+/// products of them. It is read from the text, for there is no naga in a browser; a test holds it against
+/// naga's for every shader.
+fn workgroup_size(linked: &str) -> [u32; 3] {
+    fn value(linked: &str, text: &str) -> u32 {
+        let factor = |text: &str| match text.trim().trim_end_matches('u').parse() {
+            Ok(number) => number,
+            Err(_) => {
+                let begin = format!("const {}: u32 = ", text.trim());
+                value(
+                    linked,
+                    linked.split_once(&begin).and_then(|(_, rest)| rest.split(';').next()).unwrap_or("1"),
+                )
+            }
+        };
+        text.split('*').map(factor).product()
+    }
+    let mut size = [1; 3];
+    let sizes = linked.split_once("@workgroup_size(").and_then(|(_, rest)| rest.split(')').next());
+    for (axis, text) in size.iter_mut().zip(sizes.unwrap_or("1").split(',')) {
+        *axis = value(linked, text);
+    }
+    size
+}
+
 /// A compute shader with one bind group.
 pub struct ComputeProgram {
     pipeline: wgpu::ComputePipeline,
     name: &'static str,
+    workgroup_size: [u32; 3],
 }
 
 impl ComputeProgram {
     /// Compiles entry function `main` of the shader called `name`, with its overrides.
     pub fn new(device: &wgpu::Device, name: &'static str, overrides: &[(&str, f64)]) -> Self {
-        Self::from_module(device, name, &shader_module(device, name), overrides)
+        Self::from_linked(device, name, entry_point(name), overrides)
     }
 
     /// The same from text that is not in [`ENTRY_POINTS`]: for tests of single functions.
     pub fn from_source(device: &wgpu::Device, name: &'static str, source: &str) -> Self {
-        Self::from_module(device, name, &compile(device, name, link(source)), &[])
+        Self::from_linked(device, name, link(source), &[])
     }
 
-    fn from_module(
+    fn from_linked(
         device: &wgpu::Device,
         name: &'static str,
-        module: &wgpu::ShaderModule,
+        linked: String,
         overrides: &[(&str, f64)],
     ) -> Self {
+        let workgroup_size = workgroup_size(&linked);
+        let module = &compile(device, name, linked);
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(name),
             layout: None,
@@ -131,7 +159,12 @@ impl ComputeProgram {
             },
             cache: None,
         });
-        Self { pipeline, name }
+        Self { pipeline, name, workgroup_size }
+    }
+
+    /// Workgroups that have at least so many threads along each axis.
+    pub fn groups_over(&self, threads: [u32; 3]) -> [u32; 3] {
+        std::array::from_fn(|axis| threads[axis].div_ceil(self.workgroup_size[axis]))
     }
 
     /// Records a dispatch into a pass that is open: dispatches of one pass follow one another,
@@ -150,6 +183,17 @@ impl ComputeProgram {
         resources: &[Option<wgpu::BindingResource<'_>>],
     ) -> wgpu::BindGroup {
         bind_group(device, self.name, &self.pipeline.get_bind_group_layout(0), resources)
+    }
+
+    /// Records a dispatch of at least so many threads along each axis.
+    pub fn dispatch_over(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        group: &wgpu::BindGroup,
+        threads: [u32; 3],
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        self.dispatch(encoder, group, self.groups_over(threads), timestamps);
     }
 
     /// Records a dispatch of `groups` workgroups.
@@ -240,4 +284,24 @@ pub(crate) fn draw_screen(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, group, &[]);
     pass.draw(0..3, 0..1);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn workgroup_sizes_are_those_that_naga_reads() {
+        let mut compute = 0;
+        for (name, _) in ENTRY_POINTS {
+            let linked = entry_point(name);
+            for point in validate(&linked).unwrap().entry_points {
+                if point.stage == wgpu::naga::ShaderStage::Compute {
+                    assert_eq!(workgroup_size(&linked), point.workgroup_size, "{name}");
+                    compute += 1;
+                }
+            }
+        }
+        assert!(compute > 10, "{compute}");
+    }
 }

@@ -272,14 +272,14 @@ impl LightPass {
         let sun_maps = self.sun_maps[usize::from(key.mapped)]
             .get_or_insert_with(|| ComputeProgram::new(device, "sun_maps", &overrides));
         let group = sun_maps.bind(device, &resources);
-        let groups = resolution.div_ceil(8);
+        let texels = [resolution, resolution, 1];
         let stamps = || inputs.timing.and_then(|timing| timing.compute("sun maps"));
-        sun_maps.dispatch(encoder, &group, [groups, groups, 1], stamps());
+        sun_maps.dispatch_over(encoder, &group, texels, stamps());
         if key.mapped {
             let resources =
                 [Some(buffers.light_box.as_entire_binding()), texture(&depths_0), texture(&normals_0)];
             let group = self.sun_normals.bind(device, &resources);
-            self.sun_normals.dispatch(encoder, &group, [groups, groups, 1], stamps());
+            self.sun_normals.dispatch_over(encoder, &group, texels, stamps());
             for map in [&depths, &normals] {
                 self.fill_mips(encoder, inputs, map);
             }
@@ -296,7 +296,7 @@ impl LightPass {
         resources.push(texture(&sky_volume));
         let group = self.sky_volume.bind(inputs.device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        self.sky_volume.dispatch(encoder, &group, key.voxels.map(|n| n.div_ceil(4)), stamps);
+        self.sky_volume.dispatch_over(encoder, &group, key.voxels, stamps);
         sky_volume
     }
 
@@ -305,9 +305,9 @@ impl LightPass {
             let [source, target] = [mip - 1, mip].map(|mip| level(map, mip));
             let resources = [&source, &target].map(texture);
             let group = self.mips.bind(inputs.device, &resources);
-            let groups = (map.width() >> mip).max(1).div_ceil(8);
+            let texels = (map.width() >> mip).max(1);
             let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
-            self.mips.dispatch(encoder, &group, [groups, groups, 1], stamps);
+            self.mips.dispatch_over(encoder, &group, [texels, texels, 1], stamps);
         }
     }
 }

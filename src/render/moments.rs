@@ -309,7 +309,8 @@ impl Solver<'_> {
                 Some(self.candidates.as_entire_binding()),
             ],
         );
-        self.pass.medium.record(compute, &group, [count.div_ceil(64), 1, 1]);
+        let medium = &self.pass.medium;
+        medium.record(compute, &group, medium.groups_over([count, 1, 1]));
         filled
     }
 
@@ -354,7 +355,8 @@ impl Solver<'_> {
         level: &Level,
         group: &wgpu::BindGroup,
     ) {
-        program.record(compute, group, [cells(&level.uniform).div_ceil(64), self.lights.count(), 1]);
+        let groups = program.groups_over([cells(&level.uniform), self.lights.count(), 1]);
+        program.record(compute, group, groups);
     }
 
     fn store(&self, compute: &mut wgpu::ComputePass<'_>, level: Option<&Level>) -> wgpu::TextureView {
@@ -383,7 +385,8 @@ impl Solver<'_> {
                 ],
             );
             let count = cells(&level.uniform);
-            self.pass.store.record(compute, &group, [count.div_ceil(64), self.lights.count(), 1]);
+            let groups = self.pass.store.groups_over([count, self.lights.count(), 1]);
+            self.pass.store.record(compute, &group, groups);
         }
         view
     }
