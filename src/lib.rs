@@ -50,9 +50,9 @@ mod error;
 pub mod export;
 mod files;
 pub mod gpu;
-#[cfg(feature = "export")]
+#[cfg(feature = "import")]
 pub mod import;
-#[cfg(feature = "cli")]
+#[cfg(feature = "measure")]
 pub mod measure;
 pub mod optics;
 pub mod reference;

@@ -14,7 +14,9 @@ pub(crate) use pack::{Pack, Place};
 pub use readback::{read_buffer, read_texture};
 #[cfg(test)]
 pub(crate) use shader::entry_point;
-pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link, validate};
+#[cfg(not(target_arch = "wasm32"))]
+pub use shader::validate;
+pub use shader::{ComputeProgram, ENTRY_POINTS, LIBRARY, link};
 pub(crate) use shader::{bind_group, draw_screen, screen_pipeline, shader_module};
 pub(crate) use texture::UNIFORM;
 pub use texture::{

@@ -52,10 +52,11 @@ fn module(name: &str) -> &'static str {
     found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader module `{name}` in shaders/lib"))
 }
 
-/// Parses and validates linked WGSL, without a device.
+/// Parses and validates linked WGSL, without a device. Not in a browser, which does so itself.
 ///
 /// # Errors
 /// The parser's or validator's message, with the place in the linked text.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn validate(linked: &str) -> Result<wgpu::naga::Module, String> {
     use wgpu::naga::{front::wgsl, valid};
     let module = wgsl::parse_str(linked).map_err(|error| error.emit_to_string(linked))?;
