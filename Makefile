@@ -5,15 +5,16 @@ PICTURE := target/demo.png
 # lavapipe prints a warning on every run without a private folder of its own.
 export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
 
-.PHONY: demo test lint docs examples driver screen readers movies
+.PHONY: demo test lint parts docs examples driver screen readers movies
 
 demo: driver
 	cargo build --release
 	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
 	@echo "The picture is $(CURDIR)/$(PICTURE)"
 
+# One process for each binary: tests share a device and its compiled shaders. One that fails hides no other.
 test: driver screen readers movies
-	cargo test --all-features
+	cargo test --all-features --no-fail-fast
 
 lint:
 	cargo fmt --check
@@ -25,6 +26,13 @@ lint:
 	@twice=$$(cargo tree --all-features -e normal --prefix none | grep -E '^(wgpu|naga|glam) ' \
 		| cut -d' ' -f1,2 | sort -u | cut -d' ' -f1 | uniq -d); \
 		[ -z "$$twice" ] || { echo "There must be one version of $$twice."; exit 1; }
+
+# The library in a browser, then each feature without the others.
+parts:
+	cargo check --locked --target wasm32-unknown-unknown --no-default-features --lib
+	for feature in cli editor export import measure; do \
+		cargo check --locked --no-default-features --features $$feature || exit 1; \
+	done
 
 # The scenes under examples/ are the presets: written anew when a preset changes.
 examples:

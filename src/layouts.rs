@@ -1,20 +1,24 @@
-//! The structs that Rust and the shaders share, compared member by member.
+//! What Rust and the shaders share: structs, compared member by member, and constants.
 
 use std::mem::{offset_of, size_of};
 
-use wgpu::naga::{TypeInner, proc::Layouter};
+use wgpu::naga::{Expression, Literal, Module, TypeInner, proc::Layouter};
 
 use crate::{
     frame::{
         CameraUniform, MEDIA,
-        medium::{BrickUniform, DepthVolumeUniform, EllipsoidUniform, NoiseFrame, SpeciesUniform},
+        medium::{
+            BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame, SpeciesUniform,
+        },
     },
     gpu,
-    reference::{PATH_BYTES, SUM_FLOATS, SceneUniform},
+    optics::slab::{SETS, axes, samples},
+    reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BlockUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox, LightUniform, ResolveUniform,
-        Tile, Transport, VoxelsUniform,
+        BLOCK_EDGE, BLOCK_VOXELS, BRICK, BlockUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
+        LightUniform, MOST_NODES, ResolveUniform, Shown, Tile, Transport, VoxelsUniform, resolve_uniform,
     },
+    scene::{Tone, ToneCurve},
 };
 
 /// Name, offset and size of each member, and the size of the whole.
@@ -34,9 +38,14 @@ macro_rules! layout {
     }};
 }
 
+/// A shader whose roles are filled by ellipsoids and a model of light.
+fn module(entry_point: &str, light: Transport) -> Module {
+    let roles = [&MEDIA[..1], light.roles()].concat();
+    gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap()
+}
+
 fn in_shader(entry_point: &str, name: &str) -> Layout {
-    let roles = [&MEDIA[..1], Transport::default().roles()].concat();
-    let module = gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap();
+    let module = module(entry_point, Transport::default());
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).unwrap();
     let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
@@ -109,4 +118,77 @@ fn structs_of_rust_and_shaders_agree() {
 fn storage_of_paths_has_the_size_that_the_shader_takes() {
     assert_eq!(in_shader("path", "Path").1 as usize, PATH_BYTES);
     assert_eq!(in_shader("path", "Sum").1 as usize, 4 * SUM_FLOATS);
+}
+
+/// A number at the head of a linked shader.
+fn constant(entry_point: &str, name: &str) -> f32 {
+    let module = module(entry_point, Transport::SLAB_KOL_DIRECT);
+    let found = module.constants.iter().find(|(_, constant)| constant.name.as_deref() == Some(name));
+    let (_, found) = found.unwrap_or_else(|| panic!("{entry_point} has no {name}"));
+    match module.global_expressions[found.init] {
+        Expression::Literal(Literal::U32(number)) => number as f32,
+        Expression::Literal(Literal::F32(number)) => number,
+        ref other => panic!("{name} is no number: {other:?}"),
+    }
+}
+
+#[test]
+fn constants_of_rust_and_shaders_agree() {
+    let tone = |curve| ComposeUniform::new(Tone { stops: 0.0, curve }).curve as f32;
+    let shown = |shown| resolve_uniform(1, shown).shown as f32;
+    let cases = [
+        ("march", "BRICK", BRICK as f32),
+        ("march", "MOST_NODES", MOST_NODES as f32),
+        ("march", "FINE", FINE as f32),
+        ("march", "PERSPECTIVE", CameraUniform::PERSPECTIVE as f32),
+        ("march", "ORTHOGRAPHIC", CameraUniform::ORTHOGRAPHIC as f32),
+        ("march", "EQUIRECTANGULAR", CameraUniform::EQUIRECTANGULAR as f32),
+        ("march", "SLAB_SETS", SETS as f32),
+        ("march", "SLAB_THINNEST", axes::THICKNESS[0] as f32),
+        ("march", "SLAB_THICKEST", axes::THICKNESS[1] as f32),
+        ("march", "SLAB_LOWEST_SUN", axes::LOWEST_SUN as f32),
+        ("march", "SLAB_FACE", axes::FACE as f32),
+        ("march", "SLAB_DIRECT_THICKNESSES", samples::THICKNESSES as f32),
+        ("depth_bake", "DEPTH_CELLS", CELLS as f32),
+        ("path", "ANGLES", reference::ANGLES as f32),
+        ("compose", "TONE_FILMIC", tone(ToneCurve::Filmic)),
+        ("compose", "TONE_SOFT", tone(ToneCurve::Soft)),
+        ("compose", "TONE_LINEAR", tone(ToneCurve::Linear)),
+        ("resolve", "BEAUTY", shown(Shown::Beauty)),
+        ("resolve", "LIGHT", shown(Shown::Light)),
+        ("resolve", "TRANSMITTANCE", shown(Shown::Transmittance)),
+        ("resolve", "NORMAL", shown(Shown::Normal)),
+        ("resolve", "HEAT", shown(Shown::Heat(1.0))),
+        ("voxels", "EDGE", BLOCK_EDGE as f32),
+        ("voxels", "VOXELS", BLOCK_VOXELS as f32),
+    ];
+    for (shader, name, rust) in cases {
+        assert_eq!(constant(shader, name), rust, "{name} of {shader}");
+    }
+}
+
+#[test]
+fn every_binding_is_declared_in_a_statement_of_its_own() {
+    for (name, _) in gpu::ENTRY_POINTS {
+        for transport in Transport::all() {
+            let roles = [&MEDIA[..1], transport.roles()].concat();
+            let text = gpu::entry_point(name, &roles);
+            assert_eq!(gpu::declared_bindings(&text), text.matches("@binding(").count(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn workgroup_sizes_are_those_that_naga_reads() {
+    let mut compute = 0;
+    for (name, _) in gpu::ENTRY_POINTS {
+        let linked = gpu::entry_point(name, &[&MEDIA[..1], Transport::default().roles()].concat());
+        for point in gpu::validate(&linked).unwrap().entry_points {
+            if point.stage == wgpu::naga::ShaderStage::Compute {
+                assert_eq!(gpu::workgroup_size(&linked), point.workgroup_size, "{name}");
+                compute += 1;
+            }
+        }
+    }
+    assert!(compute > 10, "{compute}");
 }

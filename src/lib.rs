@@ -51,9 +51,9 @@ pub mod export;
 mod files;
 pub mod frame;
 pub mod gpu;
-#[cfg(feature = "export")]
+#[cfg(feature = "import")]
 pub mod import;
-#[cfg(feature = "cli")]
+#[cfg(feature = "measure")]
 pub mod measure;
 pub mod optics;
 pub mod reference;

@@ -37,6 +37,12 @@ fn declaration(statement: &str) -> Option<(u32, BindGroupLayoutEntry)> {
     ))
 }
 
+/// How many bindings linked WGSL declares.
+#[cfg(test)]
+pub(crate) fn declared_bindings(linked: &str) -> usize {
+    linked.split([';', '\n']).filter_map(declaration).count()
+}
+
 fn is_written(ty: BindingType) -> bool {
     match ty {
         BindingType::Buffer { ty, .. } => ty == BufferBindingType::Storage { read_only: false },

@@ -71,10 +71,11 @@ pub(crate) fn entry_point(name: &str, roles: &[Role<'_>]) -> String {
     link(found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader `{name}` in shaders")), roles)
 }
 
-/// Parses and validates linked WGSL, without a device.
+/// Parses and validates linked WGSL, without a device. Not in a browser, which does so itself.
 ///
 /// # Errors
 /// The parser's or validator's message, with the place in the linked text.
+#[cfg(not(target_arch = "wasm32"))]
 pub fn validate(linked: &str) -> Result<wgpu::naga::Module, String> {
     use wgpu::naga::{front::wgsl, valid};
     let module = wgsl::parse_str(linked).map_err(|error| error.emit_to_string(linked))?;

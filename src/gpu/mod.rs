@@ -13,9 +13,9 @@ pub use device::{AdapterSummary, Gpu, adapters, stop_flag};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
 pub(crate) use group::bind_group;
-#[cfg(test)]
-pub(crate) use link::entry_point;
-pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link, validate};
+#[cfg(not(target_arch = "wasm32"))]
+pub use link::validate;
+pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link};
 pub(crate) use pack::{Pack, Place};
 pub use readback::{read_buffer, read_texture};
 pub use shader::ComputeProgram;
@@ -25,3 +25,5 @@ pub use texture::{
 };
 pub(crate) use texture::{UNIFORM, linear_clamp_flat, mip, view};
 pub use timing::{PassTime, Timing};
+#[cfg(test)]
+pub(crate) use {group::declared_bindings, link::entry_point, shader::workgroup_size};

@@ -59,10 +59,36 @@ fn has_slow_uniforms(device: &wgpu::Device) -> bool {
 /// 4 that are uniform.
 pub(super) const MOST_BUFFERS: u32 = 12;
 
+/// Threads of a workgroup of linked WGSL along each axis, by its `@workgroup_size`: numbers, constants, and
+/// products of them. It is read from the text, for there is no naga in a browser; a test holds it against
+/// naga's for every shader.
+pub(crate) fn workgroup_size(linked: &str) -> [u32; 3] {
+    fn value(linked: &str, text: &str) -> u32 {
+        let factor = |text: &str| match text.trim().trim_end_matches('u').parse() {
+            Ok(number) => number,
+            Err(_) => {
+                let begin = format!("const {}: u32 = ", text.trim());
+                value(
+                    linked,
+                    linked.split_once(&begin).and_then(|(_, rest)| rest.split(';').next()).unwrap_or("1"),
+                )
+            }
+        };
+        text.split('*').map(factor).product()
+    }
+    let mut size = [1; 3];
+    let sizes = linked.split_once("@workgroup_size(").and_then(|(_, rest)| rest.split(')').next());
+    for (axis, text) in size.iter_mut().zip(sizes.unwrap_or("1").split(',')) {
+        *axis = value(linked, text);
+    }
+    size
+}
+
 /// A compute shader.
 pub struct ComputeProgram {
     pipeline: wgpu::ComputePipeline,
     name: &'static str,
+    workgroup_size: [u32; 3],
 }
 
 impl ComputeProgram {
@@ -78,19 +104,39 @@ impl ComputeProgram {
         roles: &[Role<'_>],
         overrides: &[(&str, f64)],
     ) -> Self {
-        let Shader { module, layout, .. } = Shader::new(device, name, roles);
-        Self { pipeline: compute_pipeline(device, name, &module, Some(&layout), overrides), name }
+        let linked = entry_point(name, roles);
+        let workgroup_size = workgroup_size(&linked);
+        let Shader { module, layout, .. } = Shader::from_text(device, name, linked);
+        let pipeline = compute_pipeline(device, name, &module, Some(&layout), overrides);
+        Self { pipeline, name, workgroup_size }
     }
 
     /// The same from linked text that is not in [`super::ENTRY_POINTS`]: for tests of single functions,
     /// which bind only what those use.
     pub fn from_source(device: &wgpu::Device, name: &'static str, linked: String) -> Self {
+        let workgroup_size = workgroup_size(&linked);
         let module = Shader::from_text(device, name, linked).module;
-        Self { pipeline: compute_pipeline(device, name, &module, None, &[]), name }
+        Self { pipeline: compute_pipeline(device, name, &module, None, &[]), name, workgroup_size }
     }
 
-    /// Records a dispatch into a pass that is open: dispatches of one pass follow one another,
-    /// each seeing what those before it wrote. `groups` are the program's bind groups from 0 on.
+    /// Workgroups that have at least so many threads along each axis.
+    pub fn groups_over(&self, threads: [u32; 3]) -> [u32; 3] {
+        std::array::from_fn(|axis| threads[axis].div_ceil(self.workgroup_size[axis]))
+    }
+
+    /// Records a dispatch of at least so many threads along each axis into a pass that is open:
+    /// dispatches of one pass follow one another, each seeing what those before it wrote. `groups` are
+    /// the program's bind groups from 0 on.
+    pub fn record_over(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        groups: &[&wgpu::BindGroup],
+        threads: [u32; 3],
+    ) {
+        self.record(pass, groups, self.groups_over(threads));
+    }
+
+    /// The same of `size` workgroups.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup], size: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
         for (index, group) in (0..).zip(groups) {
@@ -113,7 +159,18 @@ impl ComputeProgram {
         bind_group(device, self.name, &self.layout(0), resources)
     }
 
-    /// Records a dispatch of `size` workgroups.
+    /// Records a pass of at least so many threads along each axis.
+    pub fn dispatch_over(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        groups: &[&wgpu::BindGroup],
+        threads: [u32; 3],
+        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        self.dispatch(encoder, groups, self.groups_over(threads), timestamps);
+    }
+
+    /// Records a pass of `size` workgroups.
     pub fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,

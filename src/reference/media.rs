@@ -6,7 +6,7 @@ use crate::{
     scene::Droplets,
 };
 
-/// Entries of each table; `ANGLES` of `shaders/path.wgsl`.
+/// Entries of each table.
 pub const ANGLES: usize = 4096;
 
 /// The droplets' albedo, phase functions (1/sr) and inverse distributions of the angle (rad), for

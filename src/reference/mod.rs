@@ -227,7 +227,7 @@ impl PathTracer {
         }
         self.gpu.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&self.uniform));
         let threads = self.size[0] * self.size[1] * self.lanes;
-        let groups = threads.div_ceil(64);
+        let [groups, ..] = self.program.groups_over([threads, 1, 1]);
         let rows = groups.div_ceil(MOST_GROUPS);
         let started = Instant::now();
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());

@@ -9,12 +9,12 @@ mod quality;
 mod settings;
 mod sky;
 
+#[cfg(test)]
+pub(crate) use light::{BRICK, FieldUniform, LightBox, LightUniform};
 pub use light::{DirectTextures, FunctionTextures, Transport};
 #[cfg(test)]
-pub(crate) use light::{FieldUniform, LightBox, LightUniform};
-#[cfg(test)]
 pub(crate) use march::{
-    CloudUniform, Tile,
+    CloudUniform, MOST_NODES, Tile,
     voxels::{BlockUniform, VoxelsUniform},
 };
 pub use march::{
@@ -22,7 +22,7 @@ pub use march::{
     voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels},
 };
 #[cfg(test)]
-pub(crate) use picture::{ComposeUniform, ResolveUniform};
+pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};
 pub use picture::{HeatMap, Layers, Pieces, Renderer, Resolve, SceneDepth, Shown, Target};
 pub use quality::Quality;
 pub use settings::Settings;

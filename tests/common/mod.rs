@@ -70,7 +70,7 @@ pub fn evaluate_bound<const N: usize>(
     bindings.extend(resources.iter().cloned().map(Some));
     let group = program.bind(&gpu.device, &bindings);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    program.dispatch(&mut encoder, &[&group], [(inputs.len() as u32).div_ceil(64), 1, 1], None);
+    program.dispatch_over(&mut encoder, &[&group], [inputs.len() as u32, 1, 1], None);
     gpu.queue.submit([encoder.finish()]);
     read_buffer(gpu, &output).expect("the kernel runs")
 }

@@ -1,9 +1,6 @@
 //! The whole editor without a window around it, driven as a person would.
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::{path::Path, time::Duration};
 
 use eframe::egui::{self, Vec2, vec2};
 use egui_kittest::{
@@ -14,6 +11,8 @@ use nephos::{
     editor::{Editor, Options, Places},
     scene::Scene,
 };
+
+use crate::patience;
 
 /// An editor that is made in the first frame, when there is something to make it with.
 pub struct Desk {
@@ -68,18 +67,13 @@ pub fn open_sized(folder: &Path, scene: Option<&Path>, size: Vec2, scale: f32) -
     window
 }
 
-/// Steps until `done`, which must come true within a minute.
-pub fn wait(window: &mut Window<'_>, what: &str, mut done: impl FnMut(&mut Desk) -> bool) {
-    let began = Instant::now();
-    while !done(window.state_mut()) {
-        assert!(began.elapsed() < Duration::from_secs(60), "{what} never happens");
-        window.step();
-    }
+/// Steps until `done`.
+pub fn wait(window: &mut Window<'_>, what: &str, done: impl FnMut(&mut Desk) -> bool) {
+    patience::wait(window, what, |desk| desk.editor().is_rendering(), done);
 }
 
 /// Writes what is seen, for people.
 pub fn shoot(window: &mut Window<'_>, name: &str) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let picture = window.render().expect("the picture is drawn in time");
-    picture.save(folder.join(format!("{name}.png"))).expect("the folder can be written");
+    let device = window.state().state.device.clone();
+    patience::shoot(window, &device, name);
 }

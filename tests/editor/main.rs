@@ -4,6 +4,7 @@
 mod app;
 mod desk;
 mod document;
+mod patience;
 mod timeline;
 mod viewport;
 mod window;

@@ -1,7 +1,5 @@
 //! The viewport without a window around it.
 
-use std::time::{Duration, Instant};
-
 use eframe::egui::{self, Pos2, Vec2};
 use egui_kittest::{
     Harness,
@@ -15,6 +13,8 @@ use nephos::{
     },
     scene::{Camera, Cloud, Ellipsoid, Projection, Scene},
 };
+
+use crate::patience;
 
 /// A viewport and the document that it shows.
 pub struct App {
@@ -70,16 +70,8 @@ pub fn rest(window: &mut Window<'_>) {
 
 /// Lets the hand rest and steps until something is so.
 pub fn rest_until(window: &mut Window<'_>, so: impl Fn(&App) -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(120);
-    while Instant::now() < deadline {
-        window.step();
-        if so(window.state()) {
-            return;
-        }
-        // The viewport waits for the hand to rest in real time.
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    panic!("it never comes to that");
+    window.step();
+    patience::wait(window, "what is waited for", |_| false, |app| so(app));
 }
 
 /// Where the centre of an ellipsoid is on the screen.
@@ -91,9 +83,8 @@ pub fn at(window: &Window<'_>, ellipsoid: usize) -> Pos2 {
 
 /// Writes what is seen, for people.
 pub fn shoot(window: &mut Window<'_>, name: &str) {
-    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let picture = window.render().expect("the picture is drawn in time");
-    picture.save(folder.join(format!("{name}.png"))).expect("the folder can be written");
+    let device = window.state().viewport.gpu().device.clone();
+    patience::shoot(window, &device, name);
 }
 
 /// Runs a command and goes where it leads at once.

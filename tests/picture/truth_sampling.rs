@@ -358,8 +358,7 @@ fn pictures_end_by_samples_noise_or_time() {
     assert_eq!((estimate.samples, share), (50, 1.0));
     let (estimate, share) = until(Stop { noise: 0.05, samples: 100_000, ..Stop::default() });
     assert!(estimate.noise() <= 0.05 && estimate.noise() > 0.03 && share == 1.0, "{}", estimate.noise());
-    let started = std::time::Instant::now();
-    let (estimate, _) = until(Stop { seconds: 1.0, ..Stop::default() });
-    // Preparation and a loaded machine add to it.
-    assert!(estimate.samples > 0 && started.elapsed().as_secs_f64() < 20.0);
+    // Without an end to its time this would take days.
+    let (estimate, _) = until(Stop { seconds: 0.5, ..Stop::default() });
+    assert!((1..u32::MAX).contains(&estimate.samples), "{}", estimate.samples);
 }

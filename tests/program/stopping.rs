@@ -7,7 +7,7 @@ use std::{
     path::Path,
     process::{Child, Command, Stdio},
     thread,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use nephos::export::read_estimate;
@@ -55,10 +55,11 @@ fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-fn wait_for(file: &Path) {
-    let start = Instant::now();
+/// Waits for a file as long as the program that will write it runs.
+fn wait_for(file: &Path, child: &mut Child) {
     while !file.exists() {
-        assert!(start.elapsed() < Duration::from_secs(120), "no `{}`", file.display());
+        let runs = child.try_wait().unwrap().is_none();
+        assert!(runs || file.exists(), "it ended without `{}`", file.display());
         thread::sleep(Duration::from_millis(20));
     }
 }
@@ -91,7 +92,11 @@ fn a_path_traced_picture_that_is_stopped_keeps_its_samples_and_goes_on() {
         assert_eq!(files(folder.path()), ["a.exr"], "{said}");
         said
     };
-    let found = [0, 3, 9, 27, 81].into_iter().map(stopped_after).find(|said| said.contains("is whole"));
+    // Ever longer, for a busy machine.
+    let found = [0, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512]
+        .into_iter()
+        .map(stopped_after)
+        .find(|said| said.contains("is whole"));
     let said = found.unwrap();
     assert!(said.contains("--resume goes on"), "{said}");
     let samples = || read_estimate(&folder.path().join("a.exr")).unwrap().estimate.samples;
@@ -106,8 +111,8 @@ fn a_sequence_that_is_stopped_keeps_its_frames_and_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let words = "sequence scene.json -o frame.####.png --width 16 --height 9 --quality draft \
                  --transport single --json --frames";
-    let child = start(folder.path(), &format!("{words} 1-9000"));
-    wait_for(&folder.path().join("frame.0003.png"));
+    let mut child = start(folder.path(), &format!("{words} 1-9000"));
+    wait_for(&folder.path().join("frame.0003.png"), &mut child);
     let said = stop(child);
     let names = files(folder.path());
     let expected: Vec<_> = (1..=names.len()).map(|i| format!("frame.{i:04}.png")).collect();

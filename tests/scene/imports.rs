@@ -1,5 +1,5 @@
 //! Cameras to and from glTF, and meshes filled with ellipsoids.
-#![cfg(feature = "export")]
+#![cfg(all(feature = "export", feature = "import"))]
 
 use std::{fmt::Write, fs, path::Path};
 

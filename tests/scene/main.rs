@@ -5,7 +5,7 @@ mod depth;
 mod imports;
 mod optics;
 mod presets;
-#[cfg(feature = "export")]
+#[cfg(all(feature = "export", feature = "import"))]
 #[path = "../common/readers.rs"]
 #[allow(dead_code, reason = "each binary of tests has its own readers")]
 mod readers;

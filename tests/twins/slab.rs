@@ -172,8 +172,7 @@ fn coordinates() -> Vec<Twin> {
         })
         .over("all", |random| scalars([random.cosine().abs()])),
         Twin::new("slab_path_coordinate", "slab", "return vec4f(slab_path_coordinate(x[0].x));", |x| {
-            // The texture's rows lie at paths 4 c / (1 - c).
-            one(x[0][0] / (x[0][0] + 4.0))
+            one(axes::path_coordinate(x[0][0]))
         })
         .edges(line(&[0.0, 1e-3, 4.0, 300.0]))
         .over("all", |random| scalars([random.log(1e-6, 1e6)])),

@@ -12,9 +12,11 @@ use std::hash::{DefaultHasher, Hasher};
 use glam::DVec3;
 
 #[cfg(test)]
-pub(crate) use depth_volume::{BrickUniform, DepthVolumeUniform};
+pub(crate) use depth_volume::{BrickUniform, CELLS, DepthVolumeUniform};
 pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume};
 pub(crate) use ellipsoids::EllipsoidUniform;
+#[cfg(test)]
+pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};

@@ -48,7 +48,7 @@ pub struct NoiseFrame {
 }
 
 /// Ratio of the fine look-up's frequency to the coarse one's [K 3.4.6].
-const FINE: f64 = 8.0;
+pub(crate) const FINE: f64 = 8.0;
 
 impl NoiseFrame {
     /// The look-up for a cloud whose frame has its origin at `origin` in the world. The

@@ -13,7 +13,7 @@ use crate::{
     optics::{
         peak::Chopped,
         phase::{Phase, angle_at},
-        slab::{Medium, angles::legendre_polynomials, moments},
+        slab::{Medium, angles::legendre_polynomials, axes::path_at, moments},
     },
     scene::Droplets,
 };
@@ -188,7 +188,7 @@ impl Remainders {
         let height = REMAINDER[1];
         let row = |row: usize| {
             let coordinate = (row as f64 + 0.5) / height as f64;
-            let path = 4.0 * coordinate / (1.0 - coordinate);
+            let path = path_at(coordinate);
             let terms = media.each_ref().map(|medium| terms(medium, path));
             self.polynomials.iter().map(move |values| rgb(series(&terms, values)))
         };

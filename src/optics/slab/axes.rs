@@ -63,6 +63,19 @@ pub fn depth_at(coordinate: f64, thickness: f64) -> f64 {
     }
 }
 
+/// Optical depth of paths at the middle of their coordinates.
+const MIDDLE_PATH: f64 = 4.0;
+
+/// Optical depth of a path at a coordinate from 0 to 1, where there is no end to it.
+pub fn path_at(coordinate: f64) -> f64 {
+    MIDDLE_PATH * coordinate / (1.0 - coordinate)
+}
+
+/// The inverse of [`path_at`].
+pub fn path_coordinate(path: f64) -> f64 {
+    path / (path + MIDDLE_PATH)
+}
+
 /// Point `i` of `n`, as a coordinate from 0 to 1.
 pub fn point(i: usize, n: usize) -> f64 {
     i as f64 / (n - 1) as f64
@@ -78,6 +91,8 @@ mod tests {
             let x = point(i, 21);
             assert!((thickness_coordinate(thickness_at(x)) - x).abs() < 1e-12);
             assert!((sun_coordinate(sun_at(x)) - x).abs() < 1e-12);
+            let inner = 0.99 * x;
+            assert!((path_coordinate(path_at(inner)) - inner).abs() < 1e-12);
             for thickness in [0.05, 3.0, 400.0] {
                 assert!((depth_coordinate(depth_at(x, thickness), thickness) - x).abs() < 1e-9);
             }

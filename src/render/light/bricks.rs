@@ -8,7 +8,7 @@ use super::boxes::LightBox;
 use crate::frame::medium::EllipsoidUniform;
 
 /// Edge of a brick, voxels: that of `shaders/lib/light_box.wgsl`.
-const BRICK: u32 = 8;
+pub(crate) const BRICK: u32 = 8;
 /// Rounding of coordinates, voxels.
 const SLACK: f32 = 0.02;
 

@@ -17,6 +17,8 @@ mod sun;
 #[cfg(test)]
 pub use boxes::LightBox;
 #[cfg(test)]
+pub(crate) use bricks::BRICK;
+#[cfg(test)]
 pub use field::FieldUniform;
 pub use model::Transport;
 #[cfg(test)]

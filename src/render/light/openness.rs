@@ -48,8 +48,7 @@ impl OpennessPass {
         resources.push(Some(wgpu::BindingResource::TextureView(&volume)));
         let group = program.bind(device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        let groups = key.voxels.map(|n| n.div_ceil(4));
-        program.dispatch(encoder, &[&group, media.group(&key.medium)], groups, stamps);
+        program.dispatch_over(encoder, &[&group, media.group(&key.medium)], key.voxels, stamps);
         Openness { volume }
     }
 }

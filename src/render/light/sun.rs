@@ -116,9 +116,8 @@ impl SunPass {
         resources.extend(buffers.iter().map(|buffer| Some(buffer.as_entire_binding())));
         resources.extend([&volume, &depths_0].map(|view| Some(wgpu::BindingResource::TextureView(view))));
         let group = program.bind(device, &resources);
-        let groups = resolution.div_ceil(8);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
-        program.dispatch(encoder, &[&group, media.group(medium)], [groups, groups, 1], stamps);
+        program.dispatch_over(encoder, &[&group, media.group(medium)], [resolution, resolution, 1], stamps);
         let maps = key.mapped.then(|| {
             let pass = self.maps.get_or_insert_with(|| MapsPass::new(device));
             pass.finish(encoder, inputs, &uniform, depths)
@@ -152,9 +151,9 @@ impl MapsPass {
         let mut resources = vec![Some(light_box.as_entire_binding())];
         resources.extend(views.iter().map(|view| Some(wgpu::BindingResource::TextureView(view))));
         let group = self.normals.bind(device, &resources);
-        let groups = depths.width().div_ceil(8);
+        let texels = [depths.width(), depths.height(), 1];
         let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
-        self.normals.dispatch(encoder, &[&group], [groups, groups, 1], stamps);
+        self.normals.dispatch_over(encoder, &[&group], texels, stamps);
         for map in [&depths, &normals] {
             self.fill_mips(encoder, inputs, map);
         }
@@ -166,9 +165,9 @@ impl MapsPass {
             let views = [mip - 1, mip].map(|mip| gpu::mip(map, mip));
             let resources = views.each_ref().map(|view| Some(wgpu::BindingResource::TextureView(view)));
             let group = self.mips.bind(inputs.device, &resources);
-            let groups = (map.width() >> mip).max(1).div_ceil(8);
+            let texels = (map.width() >> mip).max(1);
             let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
-            self.mips.dispatch(encoder, &[&group], [groups, groups, 1], stamps);
+            self.mips.dispatch_over(encoder, &[&group], [texels, texels, 1], stamps);
         }
     }
 }

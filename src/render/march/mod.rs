@@ -137,7 +137,7 @@ pub(super) struct March {
 /// Most species that are kept; a scene may have more, which then wait for nothing but time.
 const MOST_SPECIES: usize = 32;
 /// Room for light nodes in the shader.
-const MOST_NODES: u32 = 8;
+pub(crate) const MOST_NODES: u32 = 8;
 
 impl March {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {

@@ -239,8 +239,8 @@ impl<'a> Sampler<'a> {
             .map(|buffer| Some(buffer.as_entire_binding()));
         let group = self.program.bind(device, &resources);
         let mut encoder = device.create_command_encoder(&Default::default());
-        let groups = (batch.len() * BLOCK_VOXELS).div_ceil(64) as u32;
-        self.program.dispatch(&mut encoder, &[&group, &self.medium], [groups, 1, 1], None);
+        let voxels = (batch.len() * BLOCK_VOXELS) as u32;
+        self.program.dispatch_over(&mut encoder, &[&group, &self.medium], [voxels, 1, 1], None);
         self.gpu.queue.submit([encoder.finish()]);
         let values: Vec<[f32; BLOCK_VOXELS]> = gpu::read_buffer(self.gpu, &self.extinctions)?;
         let block = |((index, _), values): (&([i32; 3], _), [f32; BLOCK_VOXELS])| Block {

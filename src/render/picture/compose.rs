@@ -21,7 +21,6 @@ const BASE: f64 = 6.0;
 impl ComposeUniform {
     /// For a tone.
     pub fn new(tone: Tone) -> Self {
-        // The constants of `shaders/lib/tonemap.wgsl`.
         let curve = match tone.curve {
             ToneCurve::Filmic => 0,
             ToneCurve::Soft => 1,

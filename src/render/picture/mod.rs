@@ -26,9 +26,9 @@ use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
 pub use pieces::Pieces;
-#[cfg(test)]
-pub(crate) use resolve::ResolveUniform;
 pub use resolve::{HeatMap, Resolve, Shown};
+#[cfg(test)]
+pub(crate) use resolve::{ResolveUniform, uniform as resolve_uniform};
 pub use target::{Layers, SceneDepth, Target};
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the

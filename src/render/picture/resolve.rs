@@ -94,7 +94,7 @@ impl Resolve {
     }
 }
 
-fn uniform(rays: u32, shown: Shown) -> ResolveUniform {
+pub(crate) fn uniform(rays: u32, shown: Shown) -> ResolveUniform {
     let (number, range) = match shown {
         Shown::Beauty => (0, 1.0),
         Shown::Light => (1, 1.0),

@@ -70,11 +70,12 @@ impl Fill {
         device: &wgpu::Device,
         name: &'static str,
         resources: &[wgpu::BindingResource<'_>],
-        workgroups: [u32; 3],
+        workgroups: impl Fn(&ComputeProgram) -> [u32; 3],
     ) -> Self {
         let program = ComputeProgram::new(device, name, &[]);
         let resources: Vec<_> = resources.iter().cloned().map(Some).collect();
         let group = program.bind(device, &resources);
+        let workgroups = workgroups(&program);
         Self { name, program, group, workgroups }
     }
 
@@ -115,37 +116,28 @@ impl Tables {
         let (sky, camera) = (sky.as_entire_binding(), camera.as_entire_binding());
         let (sky, camera, linear) = (|| sky.clone(), || camera.clone(), || Sampler(sampler));
         let (t, m, g) = (|| View(&transmittance), || View(&multiple), || View(&ground));
-        let [x, y, _] = TRANSMITTANCE;
-        let fill_transmittance = Fill::new(device, "transmittance", &[sky(), t()], [x / 8, y / 8, 1]);
-        let [x, y, _] = MULTIPLE;
+        // A thread a texel; those of a column of the air before the camera are one thread's.
+        let over = |[x, y, _]: [u32; 3]| move |program: &ComputeProgram| program.groups_over([x, y, 1]);
+        let fill_transmittance = Fill::new(device, "transmittance", &[sky(), t()], over(TRANSMITTANCE));
         let fill_multiple =
-            Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], [x / 8, y / 8, 1]);
-        let fill_ground = Fill::new(
-            device,
-            "ground_light",
-            &[sky(), t(), m(), linear(), g()],
-            [GROUND_LIGHT[0] / 64, 1, 1],
-        );
-        let [x, y, _] = SKY_VIEW;
+            Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], over(MULTIPLE));
+        let fill_ground =
+            Fill::new(device, "ground_light", &[sky(), t(), m(), linear(), g()], over(GROUND_LIGHT));
         let fill_sky_view = Fill::new(
             device,
             "sky_view",
             &[sky(), camera(), t(), m(), g(), linear(), View(&sky_view)],
-            [x / 8, y / 4, 1],
+            over(SKY_VIEW),
         );
         let fill_sky_light = Fill::new(
             device,
             "sky_light",
             &[sky(), t(), m(), g(), linear(), View(sky_light)],
-            [SKY_LIGHT[0], 1, 1],
+            // A workgroup a texel.
+            |_| [SKY_LIGHT[0], 1, 1],
         );
-        let [x, y, _] = AERIAL;
-        let fill_aerial = Fill::new(
-            device,
-            "aerial",
-            &[sky(), camera(), t(), m(), linear(), View(&aerial)],
-            [x / 8, y / 8, 1],
-        );
+        let fill_aerial =
+            Fill::new(device, "aerial", &[sky(), camera(), t(), m(), linear(), View(&aerial)], over(AERIAL));
         Self {
             fill_atmosphere: [fill_transmittance, fill_multiple, fill_ground],
             fill_sky_view,

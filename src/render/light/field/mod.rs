@@ -359,7 +359,7 @@ impl Solver<'_> {
                 Some(self.candidates.as_entire_binding()),
             ],
         );
-        program.record(compute, &[&group, medium], [count.div_ceil(64), 1, 1]);
+        program.record_over(compute, &[&group, medium], [count, 1, 1]);
         filled
     }
 
@@ -404,7 +404,7 @@ impl Solver<'_> {
         level: &Level,
         group: &wgpu::BindGroup,
     ) {
-        program.record(compute, &[group], [cells(&level.uniform).div_ceil(64), self.lights.count(), 1]);
+        program.record_over(compute, &[group], [cells(&level.uniform), self.lights.count(), 1]);
     }
 
     fn store(&self, compute: &mut wgpu::ComputePass<'_>, level: Option<&Level>) -> TextureView {
@@ -424,7 +424,7 @@ impl Solver<'_> {
                 ],
             );
             let count = cells(&level.uniform);
-            self.pass.store.record(compute, &[&group], [count.div_ceil(64), self.lights.count(), 1]);
+            self.pass.store.record_over(compute, &[&group], [count, self.lights.count(), 1]);
         }
         view
     }
