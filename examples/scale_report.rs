@@ -33,15 +33,20 @@ fn main() -> Outcome {
     let gpu = pollster::block_on(Gpu::open(None))?;
     println!("{} at {}x{}, draft\n", gpu.adapter.name, SIZE[0], SIZE[1]);
     println!(
-        "| scene | frame ms | first s | record ms | again ms | covered | rays | hits | density | ellipsoids | light MiB |"
+        "| scene | frame ms | first s | record ms | again ms | covered | rays | hits | density | noise | ellipsoids | volume | MiB |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let report = |count: usize, each: usize, name: &str, scene: Scene| -> Result<Option<(f64, Cost)>> {
         if count * each > most {
             return Ok(None);
         }
-        let cost = Cost::of(&gpu, &scene)?;
+        let cost = Cost::of(&gpu, &scene, u32::MAX)?;
         cost.print(&format!("{count} {name}"));
+        if each == 1 {
+            let baked = Cost::of(&gpu, &scene, 1)?;
+            baked.print(&format!("{count} {name}, baked"));
+            println!("difference of the light: {:.4}", cost.difference(&baked));
+        }
         Ok(Some((count as f64, cost)))
     };
     let all = |costs: Vec<Option<(f64, Cost)>>| costs.into_iter().collect::<Option<Vec<_>>>();
@@ -112,13 +117,16 @@ struct Cost {
     again_ms: f64,
     covered: usize,
     counts: Counts,
-    light: u64,
+    memory: u64,
+    picture: Picture,
 }
 
 impl Cost {
-    fn of(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+    /// Of a scene whose clouds of `bake_from` ellipsoids or more have a baked volume of depths.
+    fn of(gpu: &Gpu, scene: &Scene, bake_from: u32) -> Result<Self> {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, FORMAT);
         renderer.settings.quality = Quality::DRAFT;
+        renderer.settings.bake_from = bake_from;
         // The optics of the droplets are found once.
         Frame::new(scene, SIZE)?;
         let start = Instant::now();
@@ -135,21 +143,32 @@ impl Cost {
         renderer.settings.counting = true;
         draw(gpu, &mut renderer, &frame)?;
         let covered = picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();
-        let light = renderer.light_bytes();
-        Ok(Self { frame_ms, first_s, record_ms, again_ms, covered, counts: renderer.counts(gpu)?, light })
+        let memory = renderer.light_bytes() + renderer.volume_bytes();
+        Ok(Self { frame_ms, first_s, record_ms, again_ms, covered, counts: renderer.counts(gpu)?, memory, picture })
+    }
+
+    /// Root of the mean square of the difference of two pictures over the mean of this one.
+    fn difference(&self, other: &Self) -> f64 {
+        let light = |pixel: &[f32; 4]| f64::from(pixel[0] + pixel[1] + pixel[2]);
+        let pairs = self.picture.pixels.iter().zip(&other.picture.pixels);
+        let squares: f64 = pairs.map(|(a, b)| (light(a) - light(b)).powi(2)).sum();
+        let count = self.covered.max(1) as f64;
+        let mean: f64 = self.picture.pixels.iter().map(light).sum::<f64>() / count;
+        (squares / count).sqrt() / mean
     }
 
     fn print(&self, name: &str) {
-        let Counts { rays, rays_hit, density_evaluations, .. } = self.counts;
+        let Counts { rays, rays_hit, density_evaluations, noise_reads, .. } = self.counts;
         println!(
-            "| {name} | {:.1} | {:.2} | {:.1} | {:.1} | {} | {rays} | {rays_hit} | {density_evaluations} | {} | {:.1} |",
+            "| {name} | {:.1} | {:.2} | {:.1} | {:.1} | {} | {rays} | {rays_hit} | {density_evaluations} | {noise_reads} | {} | {} | {:.1} |",
             self.frame_ms,
             self.first_s,
             self.record_ms,
             self.again_ms,
             self.covered,
             self.counts.ellipsoids,
-            self.light as f64 / f64::from(1 << 20),
+            self.counts.volume_reads,
+            self.memory as f64 / f64::from(1 << 20),
         );
     }
 }

@@ -24,15 +24,28 @@
 //! # The way of the data
 //!
 //! ```text
-//! Scene ──> Frame ──> sky tables ─────────┐   (when air, sun or camera changed)
-//!                 ──> noise volume ───────┤   (once a seed)
+//! Scene ──> Frame ──> media ──────────────┐   (once a shape)
+//!                 ──> sky tables ─────────┤   (when air, sun or camera changed)
 //!                 ──> light in each cloud ┤   (when sun, shape or noise changed)
-//!                                         └─> sky ──> clouds ──> compose
+//!                                         └─> sky ──> march ──> compose
 //! ```
 //!
-//! Each pass knows what it depends on and does nothing when that has not changed. Passes
-//! and their shaders have the same names: `src/render/NAME.rs`, `shaders/NAME.wgsl`; what
-//! shaders share is in `shaders/lib`, as pure functions.
+//! Each pass knows what it depends on and does nothing when that has not changed.
+//!
+//! | module | what is in it |
+//! | --- | --- |
+//! | [`scene`] | what an artist describes: plain, validated data, presets, timeline |
+//! | [`frame`] | one moment of it as the GPU takes it: what is there |
+//! | [`render`] | the real-time renderer: what light that receives, what is seen of it |
+//! | [`reference`] | the path tracer over the same density: truth |
+//! | [`optics`], [`tables`] | what droplets do with light, in double precision, and what was made of it |
+//! | [`gpu`] | device, linking of shaders, textures, read-back |
+//! | `export`, `import`, `measure` | with features of these names: files for others, of others, errors against truth |
+//! | `cli`, `editor` | with features of these names: the program and its window |
+//!
+//! Shaders are linked from modules in `shaders/lib`, pure functions, and from modules that fill a role:
+//! what is there (`shaders/medium`), what light it receives (`shaders/light`). ARCHITECTURE.md tells the
+//! seams, and where to go to add a model of light, a medium, a species, an export or a pass.
 //!
 //! # Conventions
 //!

@@ -220,8 +220,6 @@ fn sky_view_ray(altitude: f32, mu: f32, sine: f32, mu_sun: f32) -> AirRay {
     return AirRay(altitude, mu, mu_sun, clamp(mu * mu_sun + level * (1.0 - 2.0 * sine * sine), -1.0, 1.0));
 }
 
-// ---- X -----------------------------------------------------------------
-
 // Texels of the table that `light_of_sky` reads.
 const LIGHT_ABOVE: u32 = 0u;
 const LIGHT_HORIZON: u32 = 1u;

@@ -1,6 +1,6 @@
 // The camera: from a place on the picture to a ray. Directions are those of the
-// @use constants
 // world; origins are relative to the camera's position.
+// @use constants
 
 const PERSPECTIVE: u32 = 0u;
 const ORTHOGRAPHIC: u32 = 1u;

@@ -1,5 +1,5 @@
-//! The editor: a window in which clouds are made of ellipsoids. Drives the public API only;
-//! one panel is one struct in one file.
+//! The editor: a window in which clouds are made of ellipsoids. One panel is
+//! one struct in one file.
 
 mod actions;
 mod app;

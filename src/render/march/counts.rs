@@ -11,11 +11,11 @@ pub struct Counts {
     pub rays_hit: u64,
     /// Steps along rays, those through homogeneous cores included.
     pub steps: u64,
-    /// Evaluations of the density, along rays and towards the sun.
+    /// Evaluations of the density along rays.
     pub density_evaluations: u64,
     /// Reads of the noise volume.
     pub noise_reads: u64,
-    /// Reads of sun maps, sun volume and sky volume.
+    /// Reads of what the model of light binds: volumes, maps and tables; not of phase functions.
     pub map_reads: u64,
     /// Ellipsoids that a ray or a point was compared with.
     pub ellipsoids: u64,

@@ -13,7 +13,7 @@ const SMALL: u32 = TILE / 2;
 pub(in crate::render) const MANY: usize = 64;
 const SMALLEST: u32 = 4;
 
-/// `Tile` of `shaders/clouds.wgsl`.
+/// `Tile` of `shaders/march.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Tile {
