@@ -144,7 +144,16 @@ impl Cost {
         draw(gpu, &mut renderer, &frame)?;
         let covered = picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count();
         let memory = renderer.light_bytes() + renderer.volume_bytes();
-        Ok(Self { frame_ms, first_s, record_ms, again_ms, covered, counts: renderer.counts(gpu)?, memory, picture })
+        Ok(Self {
+            frame_ms,
+            first_s,
+            record_ms,
+            again_ms,
+            covered,
+            counts: renderer.counts(gpu)?,
+            memory,
+            picture,
+        })
     }
 
     /// Root of the mean square of the difference of two pictures over the mean of this one.

@@ -52,10 +52,11 @@ override SCENE_DEPTH: bool = false;
 @group(0) @binding(4) var<uniform> air: Atmosphere;
 @group(0) @binding(5) var<storage, read_write> counters: array<atomic<u32>, 16>;
 @group(0) @binding(6) var clamped: sampler;
-@group(0) @binding(7) var transmittance: texture_2d<f32>;
-@group(0) @binding(8) var sky_light: texture_2d<f32>;
-@group(0) @binding(9) var aerial: texture_3d<f32>;
-@group(0) @binding(10) var scene_depth: texture_depth_2d;
+@group(0) @binding(7) var aerial: texture_3d<f32>;
+@group(0) @binding(8) var scene_depth: texture_depth_2d;
+// The vertex stage's own, so that they don't count among the textures of the fragment stage.
+@group(3) @binding(0) var transmittance: texture_2d<f32>;
+@group(3) @binding(1) var sky_light: texture_2d<f32>;
 
 fn store_counts() {
     if COUNTING {

@@ -7,15 +7,19 @@ use wgpu::{
     StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-/// Layouts of all groups that linked WGSL declares, from group 0 on; a group that is left out is empty.
-pub(super) fn layouts(device: &wgpu::Device, linked: &str) -> Vec<BindGroupLayout> {
+/// Group of the vertex stage alone; others are seen by all stages.
+const OF_VERTICES: u32 = 3;
+
+/// Layouts of all groups that linked WGSL declares, from group 0 on; none for one that is left out.
+pub(super) fn layouts(device: &wgpu::Device, linked: &str) -> Vec<Option<BindGroupLayout>> {
     let declared: Vec<_> = linked.split([';', '\n']).filter_map(declaration).collect();
     let groups = declared.iter().map(|(group, _)| group + 1).max().unwrap_or(0);
     let layout = |group| {
         let mut entries: Vec<_> =
             declared.iter().filter(|(of, _)| *of == group).map(|(_, entry)| *entry).collect();
         entries.sort_by_key(|entry| entry.binding);
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries })
+        let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
+        (!entries.is_empty()).then(|| device.create_bind_group_layout(&descriptor))
     };
     (0..groups).map(layout).collect()
 }
@@ -25,16 +29,13 @@ fn declaration(statement: &str) -> Option<(u32, BindGroupLayoutEntry)> {
     let (group, rest) = statement.trim_start().strip_prefix("@group(")?.split_once(") @binding(")?;
     let (binding, rest) = rest.split_once(") var")?;
     let (space, kind) = rest.split_once(": ")?;
-    let ty = binding_type(space, kind);
-    let visibility = if is_written(ty) {
-        ShaderStages::FRAGMENT | ShaderStages::COMPUTE
-    } else {
-        ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE
+    let (group, ty) = (group.parse().ok()?, binding_type(space, kind));
+    let visibility = match group {
+        OF_VERTICES => ShaderStages::VERTEX,
+        _ if is_written(ty) => ShaderStages::FRAGMENT | ShaderStages::COMPUTE,
+        _ => ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE,
     };
-    Some((
-        group.parse().ok()?,
-        BindGroupLayoutEntry { binding: binding.parse().ok()?, visibility, ty, count: None },
-    ))
+    Some((group, BindGroupLayoutEntry { binding: binding.parse().ok()?, visibility, ty, count: None }))
 }
 
 /// How many bindings linked WGSL declares.

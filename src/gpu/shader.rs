@@ -10,7 +10,8 @@ use super::{
 /// A shader with its roles filled, and the layouts of its bind groups.
 pub(crate) struct Shader {
     pub module: wgpu::ShaderModule,
-    pub groups: Vec<wgpu::BindGroupLayout>,
+    /// None where it declares nothing.
+    pub groups: Vec<Option<wgpu::BindGroupLayout>>,
     pub layout: wgpu::PipelineLayout,
     /// Names of its overrides.
     overrides: Vec<String>,
@@ -22,12 +23,10 @@ impl Shader {
         Self::from_text(device, name, entry_point(name, roles))
     }
 
-    fn from_text(device: &wgpu::Device, name: &str, mut linked: String) -> Self {
-        if has_slow_uniforms(device) {
-            linked = linked.replace("var<uniform>", "var<storage, read>");
-        }
+    fn from_text(device: &wgpu::Device, name: &str, linked: String) -> Self {
+        let linked = adapted(device, linked);
         let groups = layouts(device, &linked);
-        let layouts: Vec<_> = groups.iter().map(Some).collect();
+        let layouts: Vec<_> = groups.iter().map(Option::as_ref).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(name),
             bind_group_layouts: &layouts,
@@ -35,15 +34,23 @@ impl Shader {
         });
         let overrides = linked.lines().filter_map(|line| line.strip_prefix("override "));
         let overrides = overrides.filter_map(|rest| Some(rest.split_once(':')?.0.to_owned())).collect();
-        let source = wgpu::ShaderSource::Wgsl(Cow::Owned(linked));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
-        Self { module, groups, layout, overrides }
+        Self { module: module(device, name, linked), groups, layout, overrides }
     }
 
     /// Of `all`, the overrides that this shader has: a value for another one would be an error.
     pub fn known<'a>(&self, all: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
         all.iter().filter(|(name, _)| self.overrides.iter().any(|known| known == name)).copied().collect()
     }
+}
+
+/// Linked WGSL as this device takes it best.
+fn adapted(device: &wgpu::Device, linked: String) -> String {
+    if has_slow_uniforms(device) { linked.replace("var<uniform>", "var<storage, read>") } else { linked }
+}
+
+fn module(device: &wgpu::Device, name: &str, linked: String) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(Cow::Owned(linked));
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 
 /// Whether the driver compiles a shader again for every uniform buffer that it is given: Mesa's
@@ -115,7 +122,7 @@ impl ComputeProgram {
     /// which bind only what those use.
     pub fn from_source(device: &wgpu::Device, name: &'static str, linked: String) -> Self {
         let workgroup_size = workgroup_size(&linked);
-        let module = Shader::from_text(device, name, linked).module;
+        let module = module(device, name, adapted(device, linked));
         Self { pipeline: compute_pipeline(device, name, &module, None, &[]), name, workgroup_size }
     }
 

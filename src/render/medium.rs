@@ -127,7 +127,10 @@ impl Media {
         let layout = self
             .layouts
             .entry(role.1)
-            .or_insert_with(|| Shader::new(&self.device, "sky_volume", &[role]).groups.swap_remove(1))
+            .or_insert_with(|| {
+                let groups = Shader::new(&self.device, "sky_volume", &[role]).groups;
+                groups.into_iter().nth(1).flatten().expect("a medium binds what is there")
+            })
             .clone();
         if !self.is_baked(medium) {
             return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);

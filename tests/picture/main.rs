@@ -8,6 +8,7 @@ mod common;
 mod extremes;
 mod light_turns;
 mod march;
+mod media;
 mod moments;
 mod noise;
 mod pieces;

@@ -114,8 +114,8 @@ struct Packed {
 /// A cloud ready to be drawn.
 pub(super) struct Draw {
     variant: Variant,
-    /// The march's own, the medium's, and the light's where the model has any.
-    groups: Vec<BindGroup>,
+    /// By number: the march's own, the medium's, the light's where the model has any, the vertices'.
+    groups: Vec<(u32, BindGroup)>,
     pub tiles: u32,
 }
 
@@ -201,16 +201,19 @@ impl March {
         let variant = variant(shared, cloud, role);
         let transport = variant.transport;
         let (device, queue) = (&self.device, &self.queue);
-        let shader = self
-            .shaders
-            .entry((role.1, transport))
-            .or_insert_with(|| Shader::new(device, "march", &variant.roles()));
+        let key = (role.1, transport);
+        let shader =
+            self.shaders.entry(key).or_insert_with(|| Shader::new(device, "march", &variant.roles()));
         self.pipelines
             .entry((variant, shared.format))
             .or_insert_with(|| pipeline(device, shader, &variant, shared.format));
-        let own = self.own_group(shared, &self.shaders[&(role.1, transport)].groups[0], buffers, packed);
-        let mut groups = vec![own, media.group(&cloud.medium).clone()];
-        if let Some(layout) = self.shaders[&(role.1, transport)].groups.get(2) {
+        let layout = |group: usize| self.shaders[&key].groups.get(group)?.as_ref();
+        let mut groups = vec![
+            (0, self.own_group(shared, layout(0)?, buffers, packed)),
+            (1, media.group(&cloud.medium).clone()),
+            (3, self.vertex_group(shared, layout(3)?)),
+        ];
+        if let Some(layout) = layout(2) {
             let tables = self.tables.entry(transport).or_insert_with(|| {
                 (transport.0.tables)(device, queue).expect("a test decodes all embedded tables")
             });
@@ -224,9 +227,16 @@ impl March {
                 linear: &self.linear,
                 dark: &self.dark,
             };
-            groups.push(light.group(&binding, cloud).clone());
+            groups.push((2, light.group(&binding, cloud).clone()));
         }
         Some(Draw { variant, groups, tiles: cover.tiles.len() as u32 })
+    }
+
+    /// Group 3: what light reaches the cloud's base and top.
+    fn vertex_group(&self, shared: &View<'_>, layout: &wgpu::BindGroupLayout) -> BindGroup {
+        let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+        let resources = [shared.sky.transmittance(), shared.sky.sky_light()].map(texture);
+        gpu::bind_group(&self.device, "lights of the march", layout, &resources)
     }
 
     /// Group 0.
@@ -247,8 +257,6 @@ impl March {
             Some(sky.atmosphere().as_entire_binding()),
             Some(shared.counters.buffer().as_entire_binding()),
             Some(wgpu::BindingResource::Sampler(&self.linear)),
-            texture(sky.transmittance()),
-            texture(sky.sky_light()),
             texture(sky.aerial()),
             texture(shared.depth.map_or(&self.no_depth, |depth| depth.view)),
         ];
@@ -270,8 +278,8 @@ impl March {
     ) {
         let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { return };
         pass.set_pipeline(pipeline);
-        for (index, group) in (0..).zip(&draw.groups) {
-            pass.set_bind_group(index, group, &[]);
+        for (index, group) in &draw.groups {
+            pass.set_bind_group(*index, group, &[]);
         }
         pass.draw(0..4, tiles);
     }

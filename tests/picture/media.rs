@@ -1,0 +1,180 @@
+//! What is there: a baked volume of depths against the ellipsoids that it is baked from, and species.
+#![cfg(feature = "export")]
+
+use crate::common;
+
+use common::{
+    gpu,
+    picture::{draw, renderer, scene},
+};
+use glam::DVec3;
+use nephos::{
+    export::Picture,
+    optics::{peak::Chopped, phase::Phase},
+    render::{Frame, Quality, Renderer, Transport},
+    scene::{Camera, Ellipsoid, Projection, Scene},
+};
+
+const SIZE: [u32; 2] = [48, 27];
+const STILL: Quality = Quality { jitter: false, ..Quality::PREVIEW };
+
+/// A heap of `count` lumps on a spiral over a dome, seen from the south.
+fn heap(count: u32, edge: &str) -> Scene {
+    let mut heap = scene(&format!(
+        r#"{{"sky": "none", "noise": {{"scale": 60}}, "clouds": [{{"edge": {edge}, "ellipsoids": []}}],
+            "sun": {{"position": {{"angles": {{"azimuth_deg": 250, "elevation_deg": 30}}}}}},
+            "camera": {{"position": [0, 1100, 1500], "target": [0, 1150, 0],
+                "projection": {{"perspective": {{"vertical_fov_deg": 30}}}}}}}}"#
+    ));
+    heap.clouds[0].ellipsoids = (0..count)
+        .map(|i| {
+            let t = (f64::from(i) + 0.5) / f64::from(count);
+            let (angle, out) = (2.399_963 * f64::from(i), t.sqrt());
+            let up = 320.0 * (1.0 - t) * (0.5 + 0.5 * (0.7 * f64::from(i)).sin());
+            let around = 330.0 * out * DVec3::new(angle.cos(), 0.0, angle.sin());
+            let radius = 45.0 + 25.0 * (1.3 * f64::from(i)).sin();
+            Ellipsoid::new(DVec3::Y * (1000.0 + up) + around, radius * DVec3::new(1.0, 0.8, 1.1))
+        })
+        .collect();
+    heap
+}
+
+/// A renderer that bakes clouds of so many ellipsoids.
+fn baking(from: u32, transport: Transport) -> Renderer {
+    let mut renderer = renderer(STILL, transport);
+    renderer.settings.bake_from = from;
+    renderer
+}
+
+/// Root of the mean square of the difference, over the mean.
+fn difference(a: &Picture, b: &Picture) -> f64 {
+    let pairs = || a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
+    let squares: f64 = pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum();
+    let mean: f64 = pairs().map(|(a, _)| f64::from(*a)).sum();
+    let count = pairs().count() as f64;
+    (squares / count).sqrt() / (mean / count)
+}
+
+#[test]
+fn a_baked_cloud_looks_like_its_ellipsoids() {
+    for edge in [r#"{"boundary": 30, "wispiness": 0.2}"#, r#"{"boundary": 12, "wispiness": 0}"#] {
+        let heap = heap(300, edge);
+        for transport in [Transport::SINGLE, Transport::MOMENTS, Transport::SLAB] {
+            let drawn = |from| draw(&mut baking(from, transport), &heap, SIZE, false);
+            let (exact, baked) = (drawn(u32::MAX), drawn(1));
+            let found = difference(&exact, &baked);
+            // A cell is a sixth of a lump's radius: creases are rounded within it. Slabs also face where
+            // the depth falls, not away from the middles of lumps.
+            let bound = if transport == Transport::SLAB { 0.08 } else { 0.04 };
+            assert!(found > 0.0 && found < bound, "{transport} {edge}: {found}");
+        }
+    }
+}
+
+#[test]
+fn a_baked_sphere_dims_by_beer_and_lambert() {
+    let mut sphere = heap(1, r#"{"boundary": 0, "wispiness": 0}"#);
+    sphere.clouds[0].droplets.concentration_per_cm3 = 20.0;
+    sphere.clouds[0].droplets.phase = nephos::scene::Phase::Isotropic;
+    sphere.clouds[0].ellipsoids = vec![Ellipsoid::new(DVec3::new(0.0, 1150.0, 0.0), DVec3::splat(100.0)); 3];
+    // Through the middle and half a radius beside it.
+    for (aside, chord) in [(0.0, 200.0), (50.0, 2.0 * 7500f64.sqrt())] {
+        sphere.camera = Some(Camera {
+            position: DVec3::new(aside, 1150.0, 900.0),
+            target: DVec3::new(aside, 1150.0, 0.0),
+            roll_deg: 0.0,
+            projection: Projection::Orthographic { height: 2.0 },
+        });
+        let picture = draw(&mut baking(1, Transport::SINGLE), &sphere, [3, 3], false);
+        let expected = 1.0 - (-chord * sphere.clouds[0].droplets.extinction()).exp();
+        let found = f64::from(picture.pixels[4][3]);
+        // The sharp edge is spread over a cell of 17 m at either end.
+        assert!((found - expected).abs() < 0.03, "{aside}: {found} for {expected}");
+    }
+}
+
+#[test]
+fn a_shape_is_baked_once_and_only_where_it_has_enough_ellipsoids() {
+    let mut cloud = heap(60, r#"{"boundary": 30, "wispiness": 0.2}"#);
+    let mut renderer = baking(50, Transport::SINGLE);
+    let mut baked = |scene: &Scene| {
+        draw(&mut renderer, scene, SIZE, false);
+        (renderer.volumes_baked(), renderer.volume_bytes() > 0)
+    };
+    assert_eq!(baked(&cloud), (1, true));
+    cloud.camera.as_mut().unwrap().position.x += 100.0;
+    assert_eq!(baked(&cloud), (1, true), "a camera bakes nothing");
+    cloud.noise.offset.x += 30.0;
+    cloud.clouds[0].droplets.concentration_per_cm3 *= 1.0;
+    assert_eq!(baked(&cloud), (1, true), "noise that drifts bakes nothing");
+    cloud.clouds[0].ellipsoids[7].center.y += 20.0;
+    assert_eq!(baked(&cloud), (2, true), "another shape");
+    cloud.clouds[0].ellipsoids.truncate(40);
+    assert_eq!(baked(&cloud).0, 2, "few ellipsoids are asked");
+}
+
+#[test]
+fn a_baked_cloud_of_many_lumps_costs_what_one_of_few_does() {
+    let reads = |count, from| {
+        let mut renderer = baking(from, Transport::SINGLE);
+        renderer.settings.counting = true;
+        draw(&mut renderer, &heap(count, r#"{"boundary": 30, "wispiness": 0.2}"#), SIZE, false);
+        let counts = renderer.counts(gpu()).unwrap();
+        (counts.ellipsoids + counts.volume_reads + counts.noise_reads) as f64 / counts.rays_hit as f64
+    };
+    let (few, many, asked) = (reads(60, u32::MAX), reads(1500, 1), reads(1500, u32::MAX));
+    assert!(many < 1.3 * few && many < asked, "{many} for {few}, and {asked} without a volume");
+}
+
+#[test]
+fn the_same_frame_is_seen_by_two_cameras() {
+    let scene = heap(40, r#"{"boundary": 30, "wispiness": 0.2}"#);
+    let frame = Frame::new(&scene, SIZE).unwrap();
+    let other = Camera { position: DVec3::new(900.0, 1300.0, 900.0), ..scene.camera.clone().unwrap() };
+    let drawn = |frame: &Frame| {
+        let mut renderer = renderer(STILL, Transport::SINGLE);
+        let texture = renderer.picture("seen", SIZE, wgpu::TextureFormat::Rgba16Float);
+        let view = texture.create_view(&Default::default());
+        let target = nephos::render::Target { color: &view, depth: None, sky: false };
+        renderer.render_in_pieces(gpu(), frame, &target, &mut |_| ()).unwrap();
+        Picture::read(gpu(), &texture).unwrap().pixels
+    };
+    let moved = Scene { camera: Some(other.clone()), ..scene };
+    assert_eq!(drawn(&frame.seen_by(&other, SIZE).unwrap()), drawn(&Frame::new(&moved, SIZE).unwrap()));
+    assert!(frame.seen_by(&other, [0, 9]).is_err());
+}
+
+#[test]
+fn the_shadow_of_another_cloud_is_that_of_what_it_is_made_of() {
+    // A veil far below a ball, with the sun above both.
+    let veil = |phase: &str| {
+        format!(
+            r#"{{"edge": {{"boundary": 0}}, "droplets": {{"phase": "isotropic", "concentration_per_cm3": 0.5}},
+                "ellipsoids": [{{"center": [0, 1000, 0], "radii": [40, 4, 40]}}]}}
+            {phase}"#
+        )
+    };
+    let ball = |phase: &str| {
+        format!(
+            r#", {{"edge": {{"boundary": 0}}, "droplets": {{"phase": "{phase}", "concentration_per_cm3": 20}},
+                "ellipsoids": [{{"center": [0, 1500, 0], "radii": [100, 100, 100]}}]}}"#
+        )
+    };
+    let light = |clouds: &str| {
+        let scene = scene(&format!(
+            r#"{{"sky": "none", "clouds": [{clouds}],
+                "sun": {{"position": {{"direction": [0, 1, 0]}}, "angular_diameter_deg": 0}},
+                "camera": {{"position": [0, 1000, 200], "target": [0, 1000, 0],
+                    "projection": {{"orthographic": {{"height": 1}}}}}}}}"#
+        ));
+        let mut renderer = renderer(Quality { jitter: false, ..Quality::FINAL }, Transport::SINGLE);
+        (f64::from(draw(&mut renderer, &scene, [3, 3], false).pixels[4][1]), scene)
+    };
+    let (bright, _) = light(&veil(""));
+    for (phase, f) in [("isotropic", 0.0), ("mie", Chopped::new(Phase::mie(6.0).unwrap()).f)] {
+        let (dimmed, scene) = light(&veil(&ball(phase)));
+        let depth = 200.0 * scene.clouds[1].droplets.extinction();
+        let expected = (-(1.0 - f) * depth).exp();
+        assert!((dimmed / bright - expected).abs() < 0.02, "{phase}: {} for {expected}", dimmed / bright);
+    }
+}
