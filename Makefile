@@ -30,7 +30,7 @@ lint:
 # The library in a browser, then each feature without the others.
 parts:
 	cargo check --locked --target wasm32-unknown-unknown --no-default-features --lib
-	for feature in cli editor export import measure; do \
+	for feature in cli editor export import measure slabs; do \
 		cargo check --locked --no-default-features --features $$feature || exit 1; \
 	done
 

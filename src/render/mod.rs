@@ -11,7 +11,9 @@ mod sky;
 
 #[cfg(test)]
 pub(crate) use light::{BRICK, FieldUniform, LightBox, LightUniform};
-pub use light::{DirectTextures, FunctionTextures, Transport};
+pub use light::Transport;
+#[cfg(feature = "slabs")]
+pub use light::{DirectTextures, FunctionTextures};
 #[cfg(test)]
 pub(crate) use march::{
     CloudUniform, MOST_NODES, Tile,

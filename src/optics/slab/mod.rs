@@ -12,6 +12,7 @@
 
 pub mod angles;
 pub mod axes;
+#[cfg(feature = "slabs")]
 pub mod check;
 pub mod collector;
 pub mod compare;

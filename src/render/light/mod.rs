@@ -10,6 +10,7 @@ mod occluders;
 mod openness;
 mod plan;
 mod prepare;
+#[cfg(feature = "slabs")]
 mod slab_tables;
 mod store;
 mod sun;
@@ -24,5 +25,6 @@ pub use model::Transport;
 #[cfg(test)]
 pub use prepare::LightUniform;
 pub(super) use prepare::{Binding, CloudLight, Inputs};
+#[cfg(feature = "slabs")]
 pub use slab_tables::{DirectTextures, FunctionTextures};
 pub(super) use store::LightStore;

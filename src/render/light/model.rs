@@ -64,6 +64,7 @@ impl Needs {
 pub(in crate::render) struct Parts<'a> {
     pub light: &'a CloudLight,
     pub species: &'a SpeciesTextures,
+    #[cfg_attr(not(feature = "slabs"), expect(dead_code, reason = "slabs alone have tables of their own"))]
     pub tables: &'a [TextureView],
     /// One dark voxel, in place of what is not read.
     pub dark: &'a TextureView,
@@ -93,6 +94,7 @@ impl<'a> Parts<'a> {
     }
 
     /// Tables of the model from binding `first` on, after `before`.
+    #[cfg(feature = "slabs")]
     pub fn tables(&self, before: Vec<(u32, &'a TextureView)>, first: u32) -> Vec<(u32, &'a TextureView)> {
         before.into_iter().chain((first..).zip(self.tables)).collect()
     }

@@ -4,14 +4,15 @@
 use super::model::{Model, Transport};
 
 macro_rules! models {
-    ($($constant:ident: $file:ident,)+) => {
-        $(mod $file;)+
+    ($($(#[$meta:meta])* $constant:ident: $file:ident,)+) => {
+        $($(#[$meta])* mod $file;)+
 
         /// All models, the simplest first.
-        pub(super) static MODELS: &[&Model] = &[$(&$file::MODEL),+];
+        pub(super) static MODELS: &[&Model] = &[$($(#[$meta])* &$file::MODEL),+];
 
         impl Transport {
             $(
+                $(#[$meta])*
                 #[doc = concat!("`", stringify!($file), "`: [`Transport::about`] tells what it does.")]
                 pub const $constant: Self = Self(&$file::MODEL);
             )+
@@ -25,10 +26,15 @@ models! {
     FORWARD: forward,
     OCTAVES: octaves,
     DELTA_EDDINGTON: delta_eddington,
+    #[cfg(feature = "slabs")]
     SLAB: slab,
+    #[cfg(feature = "slabs")]
     SLAB_KOL: slab_kol,
+    #[cfg(feature = "slabs")]
     SLAB_KOL_DIRECT: slab_kol_direct,
+    #[cfg(feature = "slabs")]
     SLAB_BOUTHORS: slab_bouthors,
+    #[cfg(feature = "slabs")]
     SLAB_BOUTHORS_DIRECT: slab_bouthors_direct,
     MOMENTS: moments,
 }
