@@ -9,9 +9,9 @@ mod quality;
 mod settings;
 mod sky;
 
+pub use light::Transport;
 #[cfg(test)]
 pub(crate) use light::{BRICK, FieldUniform, LightBox, LightUniform};
-pub use light::Transport;
 #[cfg(feature = "slabs")]
 pub use light::{DirectTextures, FunctionTextures};
 #[cfg(test)]

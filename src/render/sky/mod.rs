@@ -15,26 +15,18 @@
 //! that other passes can bind the same things.
 
 mod background;
+mod tables;
 
 use glam::Vec3;
 use half::f16;
-use wgpu::{TextureFormat, TextureUsages, TextureView};
+use wgpu::{TextureFormat, TextureView};
 
 use crate::{
     frame::{AERIAL_REACH, CameraUniform, SkySettings, SkyUniform},
-    gpu::{self, ComputeProgram, TextureDesc, Timing},
+    gpu::{self, Timing, view},
 };
 use background::{Background, BackgroundKind, background_pipeline};
-
-/// Format of all tables: filterable and storable on every device.
-const FORMAT: TextureFormat = TextureFormat::Rgba16Float;
-/// Sizes of the tables, texels. All are multiples of their shader's workgroup.
-const TRANSMITTANCE: [u32; 3] = [256, 64, 0];
-const MULTIPLE: [u32; 3] = [32, 32, 0];
-const GROUND_LIGHT: [u32; 3] = [64, 1, 0];
-const SKY_VIEW: [u32; 3] = [192, 128, 0];
-const SKY_LIGHT: [u32; 3] = [3, 1, 0];
-const AERIAL: [u32; 3] = [32, 32, 32];
+use tables::{SKY_LIGHT, Tables, table};
 
 /// Which tables [`Sky::prepare`] made again.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -54,101 +46,6 @@ impl Redone {
     pub fn count(self) -> u32 {
         3 * u32::from(self.atmosphere)
             + [self.sky_view, self.sky_light, self.aerial].map(u32::from).iter().sum::<u32>()
-    }
-}
-
-/// One table's program and what it reads and writes.
-struct Fill {
-    name: &'static str,
-    program: ComputeProgram,
-    group: wgpu::BindGroup,
-    workgroups: [u32; 3],
-}
-
-impl Fill {
-    fn new(
-        device: &wgpu::Device,
-        name: &'static str,
-        resources: &[wgpu::BindingResource<'_>],
-        workgroups: impl Fn(&ComputeProgram) -> [u32; 3],
-    ) -> Self {
-        let program = ComputeProgram::new(device, name, &[]);
-        let resources: Vec<_> = resources.iter().cloned().map(Some).collect();
-        let group = program.bind(device, &resources);
-        let workgroups = workgroups(&program);
-        Self { name, program, group, workgroups }
-    }
-
-    fn run(&self, encoder: &mut wgpu::CommandEncoder, timing: Option<&Timing>) {
-        let stamps = timing.and_then(|timing| timing.compute(self.name));
-        self.program.dispatch(encoder, &[&self.group], self.workgroups, stamps);
-    }
-}
-
-/// The tables of an atmosphere, made when a scene first has one.
-struct Tables {
-    transmittance: TextureView,
-    multiple: TextureView,
-    ground: TextureView,
-    sky_view: TextureView,
-    aerial: TextureView,
-    fill_atmosphere: [Fill; 3],
-    fill_sky_view: Fill,
-    fill_sky_light: Fill,
-    fill_aerial: Fill,
-}
-
-impl Tables {
-    fn new(
-        device: &wgpu::Device,
-        sky: &wgpu::Buffer,
-        camera: &wgpu::Buffer,
-        sampler: &wgpu::Sampler,
-        sky_light: &TextureView,
-    ) -> Self {
-        use wgpu::BindingResource::{Sampler, TextureView as View};
-        let table = |label, size| view(&table(device, label, size));
-        let transmittance = table("transmittance", TRANSMITTANCE);
-        let multiple = table("multiple scattering", MULTIPLE);
-        let ground = table("ground light", GROUND_LIGHT);
-        let sky_view = table("sky view", SKY_VIEW);
-        let aerial = table("aerial", AERIAL);
-        let (sky, camera) = (sky.as_entire_binding(), camera.as_entire_binding());
-        let (sky, camera, linear) = (|| sky.clone(), || camera.clone(), || Sampler(sampler));
-        let (t, m, g) = (|| View(&transmittance), || View(&multiple), || View(&ground));
-        // A thread a texel; those of a column of the air before the camera are one thread's.
-        let over = |[x, y, _]: [u32; 3]| move |program: &ComputeProgram| program.groups_over([x, y, 1]);
-        let fill_transmittance = Fill::new(device, "transmittance", &[sky(), t()], over(TRANSMITTANCE));
-        let fill_multiple =
-            Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], over(MULTIPLE));
-        let fill_ground =
-            Fill::new(device, "ground_light", &[sky(), t(), m(), linear(), g()], over(GROUND_LIGHT));
-        let fill_sky_view = Fill::new(
-            device,
-            "sky_view",
-            &[sky(), camera(), t(), m(), g(), linear(), View(&sky_view)],
-            over(SKY_VIEW),
-        );
-        let fill_sky_light = Fill::new(
-            device,
-            "sky_light",
-            &[sky(), t(), m(), g(), linear(), View(sky_light)],
-            // A workgroup a texel.
-            |_| [SKY_LIGHT[0], 1, 1],
-        );
-        let fill_aerial =
-            Fill::new(device, "aerial", &[sky(), camera(), t(), m(), linear(), View(&aerial)], over(AERIAL));
-        Self {
-            fill_atmosphere: [fill_transmittance, fill_multiple, fill_ground],
-            fill_sky_view,
-            fill_sky_light,
-            fill_aerial,
-            transmittance,
-            multiple,
-            ground,
-            sky_view,
-            aerial,
-        }
     }
 }
 
@@ -426,17 +323,6 @@ impl Sky {
     fn active(&self) -> Option<&Tables> {
         self.tables.as_ref().filter(|_| self.current.atmosphere)
     }
-}
-
-fn table(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {
-    gpu::texture(
-        device,
-        &TextureDesc { label, size, mips: 1, format: FORMAT, usage: TextureUsages::STORAGE_BINDING },
-    )
-}
-
-fn view(texture: &wgpu::Texture) -> TextureView {
-    texture.create_view(&Default::default())
 }
 
 /// `light_texel` of `shaders/lib/atmosphere.wgsl`.

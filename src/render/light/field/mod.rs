@@ -16,12 +16,13 @@
 //! Why not by path tracing, as the truth is: its noise would flicker while the sun moves,
 //! and a round of scattering costs every cell the same few reads on any device.
 
+mod levels;
 mod quadrature;
 mod rounds;
 
 use std::collections::HashMap;
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{UVec3, Vec4};
 use wgpu::TextureView;
 
 use super::{
@@ -32,11 +33,14 @@ use super::{
 use crate::{
     frame::{
         Shared,
-        medium::{EllipsoidUniform, Medium, Species},
+        medium::{Medium, Species},
     },
     gpu::{self, ComputeProgram},
     render::medium::Media,
 };
+pub(super) use levels::FieldBox;
+pub use levels::FieldUniform;
+use levels::{Level, cells, scratch, sizes};
 use quadrature::{DIRECTIONS, directions, patches};
 use rounds::{relaxations, repeats};
 
@@ -56,22 +60,6 @@ pub(super) struct Field {
     pub sky: Option<TextureView>,
 }
 
-/// `Field` of `shaders/lib/field.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct FieldUniform {
-    pub(crate) low: Vec3,
-    pub(crate) directions: u32,
-    pub(crate) cell: Vec3,
-    pub(crate) lights: u32,
-    pub(crate) size: UVec3,
-    pub(crate) ahead: f32,
-    pub(crate) scattering: Vec4,
-    pub(crate) beam: Vec4,
-}
-
-/// Fewest cells along an axis.
-const FEWEST: u32 = 6;
 /// Droplets that throw more light back than this, as none do, turn over more in a round than rounds
 /// allow for: repeated, they let it grow (at g = -0.9 a white furnace was off by 2.8).
 const LEAST_ASYMMETRY: f32 = -0.65;
@@ -96,26 +84,6 @@ enum Lights {
     Sky,
 }
 
-/// A box that holds the field of a cloud: its least corner and its extent, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FieldBox {
-    pub low: Vec3,
-    pub extent: Vec3,
-}
-
-impl FieldBox {
-    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
-        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
-        Self { low, extent: (high - low).max(Vec3::splat(1e-3)) }
-    }
-
-    /// Cells along each axis, `most` along the longest: as near to cubes as they can be.
-    fn size(&self, most: u32) -> UVec3 {
-        let cells = most as f32 * self.extent / self.extent.max_element();
-        cells.round().as_uvec3().clamp(UVec3::splat(FEWEST.min(most)), UVec3::splat(most))
-    }
-}
-
 /// Of one solution.
 struct Solver<'a> {
     pass: &'a FieldPass,
@@ -138,30 +106,6 @@ struct Solver<'a> {
     entering: wgpu::Buffer,
     /// A field of one dark cell, from which the coarsest one begins.
     nothing: Level,
-}
-
-/// A field and what is known in its cells.
-struct Level {
-    uniform: FieldUniform,
-    buffer: wgpu::Buffer,
-    moments: wgpu::Buffer,
-}
-
-impl Level {
-    fn dark(device: &wgpu::Device, lights: Lights) -> Self {
-        let uniform =
-            FieldUniform { size: UVec3::ONE, lights: lights.count(), ..bytemuck::Zeroable::zeroed() };
-        Self::new(device, uniform)
-    }
-
-    fn new(device: &wgpu::Device, uniform: FieldUniform) -> Self {
-        let bytes = u64::from(cells(&uniform)) * u64::from(uniform.lights) * 64;
-        Self {
-            buffer: gpu::uniform_buffer(device, "field", &uniform),
-            moments: scratch(device, "moments", bytes),
-            uniform,
-        }
-    }
 }
 
 impl FieldPass {
@@ -428,27 +372,4 @@ impl Solver<'_> {
         }
         view
     }
-}
-
-/// Cells along the longest axis of each field, coarse ones first: halves down to `least`.
-fn sizes(most: u32, least: u32) -> Vec<u32> {
-    let mut sizes = vec![most.max(2)];
-    while sizes[0] >= 2 * least {
-        sizes.insert(0, sizes[0] / 2);
-    }
-    sizes
-}
-
-fn cells(uniform: &FieldUniform) -> u32 {
-    uniform.size.element_product()
-}
-
-/// A buffer that shaders alone write.
-fn scratch(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
-    device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        size,
-        usage: wgpu::BufferUsages::STORAGE,
-        mapped_at_creation: false,
-    })
 }

@@ -1,0 +1,89 @@
+//! Boxes, grids and cells that light is solved for on.
+
+use glam::{UVec3, Vec3, Vec4};
+
+use super::Lights;
+use crate::{frame::medium::EllipsoidUniform, gpu};
+
+/// `Field` of `shaders/lib/field.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FieldUniform {
+    pub(crate) low: Vec3,
+    pub(crate) directions: u32,
+    pub(crate) cell: Vec3,
+    pub(crate) lights: u32,
+    pub(crate) size: UVec3,
+    pub(crate) ahead: f32,
+    pub(crate) scattering: Vec4,
+    pub(crate) beam: Vec4,
+}
+
+/// Fewest cells along an axis.
+const FEWEST: u32 = 6;
+/// A box that holds the field of a cloud: its least corner and its extent, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::render::light) struct FieldBox {
+    pub low: Vec3,
+    pub extent: Vec3,
+}
+
+impl FieldBox {
+    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
+        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
+        Self { low, extent: (high - low).max(Vec3::splat(1e-3)) }
+    }
+
+    /// Cells along each axis, `most` along the longest: as near to cubes as they can be.
+    pub fn size(&self, most: u32) -> UVec3 {
+        let cells = most as f32 * self.extent / self.extent.max_element();
+        cells.round().as_uvec3().clamp(UVec3::splat(FEWEST.min(most)), UVec3::splat(most))
+    }
+}
+
+/// A field and what is known in its cells.
+pub(super) struct Level {
+    pub uniform: FieldUniform,
+    pub buffer: wgpu::Buffer,
+    pub moments: wgpu::Buffer,
+}
+
+impl Level {
+    pub fn dark(device: &wgpu::Device, lights: Lights) -> Self {
+        let uniform =
+            FieldUniform { size: UVec3::ONE, lights: lights.count(), ..bytemuck::Zeroable::zeroed() };
+        Self::new(device, uniform)
+    }
+
+    pub fn new(device: &wgpu::Device, uniform: FieldUniform) -> Self {
+        let bytes = u64::from(cells(&uniform)) * u64::from(uniform.lights) * 64;
+        Self {
+            buffer: gpu::uniform_buffer(device, "field", &uniform),
+            moments: scratch(device, "moments", bytes),
+            uniform,
+        }
+    }
+}
+
+/// Cells along the longest axis of each field, coarse ones first: halves down to `least`.
+pub(super) fn sizes(most: u32, least: u32) -> Vec<u32> {
+    let mut sizes = vec![most.max(2)];
+    while sizes[0] >= 2 * least {
+        sizes.insert(0, sizes[0] / 2);
+    }
+    sizes
+}
+
+pub(super) fn cells(uniform: &FieldUniform) -> u32 {
+    uniform.size.element_product()
+}
+
+/// A buffer that shaders alone write.
+pub(super) fn scratch(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size,
+        usage: wgpu::BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    })
+}
