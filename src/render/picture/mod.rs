@@ -1,7 +1,9 @@
 //! The renderer: keeps what outlives a frame, and records a frame's passes.
 
 mod compose;
+mod film;
 mod pieces;
+mod pixels;
 mod resolve;
 mod target;
 
@@ -10,7 +12,7 @@ use std::sync::atomic::Ordering;
 use rayon::prelude::*;
 
 use super::{
-    Counts, Settings,
+    Counts, Quality, Settings,
     light::{Inputs, LightStore},
     march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
@@ -25,7 +27,9 @@ use crate::{
 use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
+pub use film::Film;
 pub use pieces::Pieces;
+pub use pixels::Picture;
 #[cfg(test)]
 pub(crate) use resolve::ResolveUniform;
 pub use resolve::{HeatMap, Resolve, Shown};
