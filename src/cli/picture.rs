@@ -4,7 +4,7 @@ use std::{path::Path, sync::LazyLock};
 
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
-use super::stopped;
+use super::{open, stopped};
 use crate::{
     Error, Result,
     export::{self, Notes, Picture},
@@ -207,7 +207,7 @@ impl PictureOptions {
     /// # Errors
     /// [`Error::Adapter`] where there is none of that name.
     pub fn painter(&self) -> Result<Painter> {
-        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let gpu = open(self.adapter.as_deref())?;
         Ok(Painter { renderer: self.renderer(&gpu), gpu })
     }
 

@@ -10,7 +10,6 @@ use super::picture::{Drawn, Job, Painter, PictureOptions};
 use crate::{
     Error, Result,
     export::{self, Picture},
-    gpu,
     reference::{Estimate, PathTracer, Stop},
     scene::Scene,
 };
@@ -47,7 +46,7 @@ impl PictureOptions {
             Ok(true)
         })?;
         // What there is so far is worth to be finished, where it is wanted.
-        let stopped = job.keep && gpu::stop_flag().swap(false, Ordering::Relaxed);
+        let stopped = job.keep && painter.gpu.stop_token().swap(false, Ordering::Relaxed);
         Ok(Drawn { stopped, ..self.composed(sky.as_ref(), estimate) })
     }
 

@@ -7,8 +7,6 @@ mod pixels;
 mod resolve;
 mod target;
 
-use std::sync::atomic::Ordering;
-
 use rayon::prelude::*;
 
 use super::{
@@ -306,7 +304,7 @@ fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> bool {
     if let Err(error) = gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
         tracing::error!(%error, "waiting for light");
     }
-    !gpu::stop_flag().load(Ordering::Relaxed)
+    !gpu.is_stopped()
 }
 
 fn attachment(
