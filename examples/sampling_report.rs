@@ -7,7 +7,7 @@ use std::path::Path;
 
 use nephos::export::Picture;
 use nephos::gpu::Gpu;
-use nephos::render::{Counts, Frame, Quality, Renderer, Target, Transport};
+use nephos::render::{Counts, Film, Quality, Renderer, Transport};
 use nephos::scene::{Preset, Projection, Scene};
 use plotters::prelude::*;
 
@@ -95,11 +95,9 @@ fn draw(gpu: &Gpu, scene: &Scene, quality: Quality) -> Outcome<(Picture, Counts)
     renderer.settings.quality = quality;
     renderer.settings.transport = Transport::OCTAVES;
     renderer.settings.counting = true;
-    let texture = renderer.picture("sampling", SIZE, wgpu::TextureFormat::Rgba16Float);
-    let view = texture.create_view(&Default::default());
-    let target = Target { color: &view, depth: None, sky: false };
-    renderer.render_in_pieces(gpu, &Frame::new(scene, SIZE)?, &target, &mut |_| ())?;
-    Ok((Picture::read(gpu, &texture)?, renderer.counts(gpu)?))
+    let film = Film::new(SIZE, 1);
+    let picture = film.take(gpu, &mut renderer, &film.frame(scene)?, false, &mut |_| ())?;
+    Ok((picture, renderer.counts(gpu)?))
 }
 
 /// Means over the scenes: relative RMSE in percent of the light, of the light after a 3x3 blur,

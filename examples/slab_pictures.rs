@@ -9,8 +9,8 @@ use glam::DVec3;
 use nephos::{
     Result,
     export::write_png,
-    gpu::{self, Gpu},
-    render::{Frame, Renderer, Target},
+    gpu::Gpu,
+    render::{Film, Renderer},
     scene::{Camera, Cloud, Edge, Ellipsoid, Projection, Scene, Sun, SunPosition},
 };
 
@@ -73,16 +73,7 @@ fn scene(thickness: f64, above: bool) -> Scene {
 
 /// The finished picture at twice its size each way, averaged: RGBA of 8 bits.
 fn draw(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Result<Vec<u8>> {
-    let frame = Frame::new(scene, SIZE.map(|n| 2 * n))?;
-    let linear = renderer.picture("linear", frame.size(), wgpu::TextureFormat::Rgba16Float);
-    let view = linear.create_view(&Default::default());
-    let target = Target { color: &view, depth: None, sky: true };
-    renderer.render_in_pieces(gpu, &frame, &target, &mut |_| ())?;
-    let reduced = nephos::export::Picture::read(gpu, &linear)?.reduced(2).upload(gpu);
-    let finished = renderer.picture("finished", SIZE, wgpu::TextureFormat::Rgba8Unorm);
-    let [from, to] = [&reduced, &finished].map(|texture| texture.create_view(&Default::default()));
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.compose(&mut encoder, &from, &to, finished.format(), scene.tone());
-    gpu.queue.submit([encoder.finish()]);
-    gpu::read_texture(gpu, &finished, 0)
+    let film = Film::new(SIZE, 2);
+    let picture = film.take(gpu, renderer, &film.frame(scene)?, true, &mut |_| ())?;
+    picture.finished(gpu, renderer, scene.tone())
 }

@@ -44,7 +44,7 @@ pub enum Error {
         /// What the driver or the validation said.
         reason: String,
     },
-    /// Somebody asked the program to stop, and it has: see [`crate::gpu::stop_flag`].
+    /// Somebody asked the program to stop, and it has: see [`crate::gpu::Gpu::stop_token`].
     #[error("stopped: {kept}")]
     Stopped {
         /// What there is of the work, and how to go on.

@@ -15,11 +15,17 @@ mod tables;
 mod terminal;
 mod trace;
 
-use std::{process::ExitCode, sync::atomic::Ordering};
+use std::{
+    process::ExitCode,
+    sync::{
+        Arc, LazyLock,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
 
-use crate::{Error, gpu};
+use crate::{Error, gpu::Gpu};
 
 /// Clouds from ellipsoids, fractal noise and Mie scattering.
 #[derive(Debug, Parser)]
@@ -60,12 +66,22 @@ fn command() -> Command {
 /// Exit code of what Ctrl-C has stopped, as shells have it.
 const STOPPED: u8 = 130;
 
+/// Set by Ctrl-C: one for the program, as the signal is.
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// Opens the adapter, or the one whose name contains `name`; Ctrl-C stops waits for its device.
+///
+/// # Errors
+/// [`Error::Adapter`] where there is none of that name.
+fn open(name: Option<&str>) -> crate::Result<Gpu> {
+    Ok(pollster::block_on(Gpu::open(name))?.stopped_by(STOP.clone()))
+}
+
 /// Has Ctrl-C stop work on the device where files are whole, and a second one stop all at once.
 fn listen_to_ctrl_c() {
     use signal_hook::{consts::SIGINT, flag};
-    let stop = gpu::stop_flag();
-    let listening = flag::register_conditional_shutdown(SIGINT, STOPPED.into(), stop.clone())
-        .and_then(|_| flag::register(SIGINT, stop.clone()));
+    let listening = flag::register_conditional_shutdown(SIGINT, STOPPED.into(), STOP.clone())
+        .and_then(|_| flag::register(SIGINT, STOP.clone()));
     if let Err(error) = listening {
         tracing::warn!(%error, "Ctrl-C will stop the program wherever it is");
     }
@@ -81,7 +97,7 @@ impl Command {
 /// The error of work that was stopped, if it was, with what is kept of it.
 fn stopped(error: Error, kept: impl FnOnce() -> String) -> Error {
     // Programs that work for this one may have been stopped, too: then theirs is the error.
-    let asked = gpu::stop_flag().load(Ordering::Relaxed);
+    let asked = STOP.load(Ordering::Relaxed);
     if asked || matches!(error, Error::Stopped { .. }) { Error::Stopped { kept: kept() } } else { error }
 }
 

@@ -4,13 +4,13 @@ use std::{path::Path, sync::LazyLock};
 
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
-use super::stopped;
+use super::{open, stopped};
 use crate::{
     Error, Result,
     export::{self, Notes, Picture},
     gpu::{Gpu, Timing},
     reference::Estimate,
-    render::{Frame, Quality, Renderer, Target, Transport},
+    render::{Film, Frame, Quality, Renderer, Transport},
     scene::Scene,
 };
 
@@ -64,6 +64,16 @@ enum QualityName {
     Final,
 }
 
+impl QualityName {
+    fn quality(self) -> Quality {
+        match self {
+            Self::Draft => Quality::DRAFT,
+            Self::Preview => Quality::PREVIEW,
+            Self::Final => Quality::FINAL,
+        }
+    }
+}
+
 /// A model of light, or none for the path tracer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct TransportName(Option<Transport>);
@@ -83,9 +93,6 @@ impl ValueEnum for TransportName {
         })
     }
 }
-
-/// Largest edge of a texture everywhere, pixels; no picture is larger.
-const MOST_ACROSS: u32 = 8192;
 
 /// A value as the command line writes it.
 pub(super) fn word(value: impl ValueEnum) -> String {
@@ -179,15 +186,17 @@ impl PictureOptions {
 
     /// As many rays as were asked for must go into one texture.
     fn check_rays(&self) -> Result<()> {
+        let size = [self.width, self.height];
         match self.supersample {
-            Some(rays) if rays > self.most_rays() => Err(Error::Argument(format!(
-                "--supersample {rays} of {}x{} pixels makes {} rays across, and {MOST_ACROSS} is the most: give \
+            Some(rays) if rays > Film::most_rays(size) => Err(Error::Argument(format!(
+                "--supersample {rays} of {}x{} pixels makes {} rays across, and {} is the most: give \
                  --supersample {}, or a picture of at most {} pixels across",
                 self.width,
                 self.height,
                 rays * self.width.max(self.height),
-                self.most_rays(),
-                MOST_ACROSS / rays
+                Film::WIDEST,
+                Film::most_rays(size),
+                Film::WIDEST / rays
             ))),
             _ => Ok(()),
         }
@@ -198,7 +207,7 @@ impl PictureOptions {
     /// # Errors
     /// [`Error::Adapter`] where there is none of that name.
     pub fn painter(&self) -> Result<Painter> {
-        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let gpu = open(self.adapter.as_deref())?;
         Ok(Painter { renderer: self.renderer(&gpu), gpu })
     }
 
@@ -207,17 +216,12 @@ impl PictureOptions {
     /// # Errors
     /// Where the scene is not good.
     pub fn frame(&self, scene: &Scene) -> Result<Frame> {
-        let n = self.rays_across();
-        Frame::new(scene, [n * self.width, n * self.height])
+        self.film().frame(scene)
     }
 
     fn renderer(&self, gpu: &Gpu) -> Renderer {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
-        renderer.settings.quality = match self.quality() {
-            QualityName::Draft => Quality::DRAFT,
-            QualityName::Preview => Quality::PREVIEW,
-            QualityName::Final => Quality::FINAL,
-        };
+        renderer.settings.quality = self.quality().quality();
         if self.exact {
             renderer.settings.bake_from = u32::MAX;
         }
@@ -241,7 +245,7 @@ impl PictureOptions {
         if self.layers {
             let layers =
                 painter.renderer.render_layers(&painter.gpu, &job.frame, progress).map_err(unwritten)?;
-            let n = self.rays_across() as usize;
+            let n = self.film().rays() as usize;
             export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
             return Ok(None);
         }
@@ -261,11 +265,8 @@ impl PictureOptions {
         if self.traces_paths() {
             return self.trace(painter, job, progress);
         }
-        let linear = painter.renderer.picture("linear", job.frame.size(), wgpu::TextureFormat::Rgba16Float);
-        let view = linear.create_view(&Default::default());
-        let target = Target { color: &view, depth: None, sky: !self.transparent };
-        painter.renderer.render_in_pieces(&painter.gpu, &job.frame, &target, progress)?;
-        let picture = Picture::read(&painter.gpu, &linear)?.reduced(self.rays_across() as usize);
+        let Painter { gpu, renderer } = painter;
+        let picture = self.film().take(gpu, renderer, &job.frame, !self.transparent, progress)?;
         Ok(Drawn { picture, estimate: None, stopped: false })
     }
 
@@ -291,7 +292,7 @@ impl PictureOptions {
     /// Puts in what was left out, so that the same picture is asked for by the same words.
     pub(super) fn fill_in(&mut self) {
         if !self.traces_paths() {
-            (self.quality, self.supersample) = (Some(self.quality()), Some(self.rays_across()));
+            (self.quality, self.supersample) = (Some(self.quality()), Some(self.film().rays()));
         }
     }
 
@@ -299,19 +300,14 @@ impl PictureOptions {
         self.quality.unwrap_or(QualityName::Final)
     }
 
-    /// As asked for; by default what the quality wants and a texture holds.
-    fn rays_across(&self) -> u32 {
-        match (self.supersample, self.quality()) {
-            _ if self.traces_paths() => 1,
-            (Some(rays), _) => rays,
-            (None, QualityName::Final) => self.most_rays().min(2),
-            (None, _) => 1,
+    /// With the rays that were asked for; by default those of the quality.
+    fn film(&self) -> Film {
+        let size = [self.width, self.height];
+        match self.supersample {
+            _ if self.traces_paths() => Film::new(size, 1),
+            Some(rays) => Film::new(size, rays),
+            None => Film::of_quality(size, &self.quality().quality()),
         }
-    }
-
-    /// Rays across a pixel of which a texture holds the whole picture's.
-    fn most_rays(&self) -> u32 {
-        MOST_ACROSS / self.width.max(self.height)
     }
 
     pub(super) fn traces_paths(&self) -> bool {

@@ -10,9 +10,7 @@ use super::picture::{Drawn, Job, Painter, PictureOptions};
 use crate::{
     Error, Result,
     export::{self, Picture},
-    gpu,
     reference::{Estimate, PathTracer, Stop},
-    render::Frame,
     scene::Scene,
 };
 
@@ -31,7 +29,8 @@ impl PictureOptions {
         progress: &mut dyn FnMut(f64),
     ) -> Result<Drawn> {
         let frame = &job.frame;
-        let sky = if self.transparent { None } else { Some(sky(painter, frame)?) };
+        let sky =
+            if self.transparent { None } else { Some(painter.renderer.sky_picture(&painter.gpu, frame)?) };
         let mut tracer = PathTracer::new(&painter.gpu, frame, 0)?;
         if job.resume && job.output.exists() {
             tracer = tracer.after(self.earlier(job)?)?;
@@ -47,7 +46,7 @@ impl PictureOptions {
             Ok(true)
         })?;
         // What there is so far is worth to be finished, where it is wanted.
-        let stopped = job.keep && gpu::stop_flag().swap(false, Ordering::Relaxed);
+        let stopped = job.keep && painter.gpu.stop_token().swap(false, Ordering::Relaxed);
         Ok(Drawn { stopped, ..self.composed(sky.as_ref(), estimate) })
     }
 
@@ -90,13 +89,4 @@ impl PictureOptions {
         }
         Drawn { picture, estimate: Some(estimate), stopped: false }
     }
-}
-
-/// What is behind the clouds.
-fn sky(Painter { gpu, renderer }: &mut Painter, frame: &Frame) -> Result<Picture> {
-    let sky = renderer.picture("sky", frame.size(), wgpu::TextureFormat::Rgba16Float);
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.render_sky(&mut encoder, frame, &sky.create_view(&Default::default()));
-    gpu.queue.submit([encoder.finish()]);
-    Picture::read(gpu, &sky)
 }

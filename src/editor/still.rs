@@ -14,10 +14,9 @@ use std::{
 use eframe::egui::Context;
 
 use crate::{
-    Error, Result,
-    export::{self, Picture},
+    Error, Result, export,
     gpu::Gpu,
-    render::{Frame, Pieces, Quality, Renderer, Target},
+    render::{Film, Pieces, Quality, Renderer},
     scene::Scene,
 };
 
@@ -25,8 +24,6 @@ use crate::{
 const PIECE: Duration = Duration::from_millis(40);
 /// How often the window shows the share that is done.
 const REPAINT: Duration = Duration::from_millis(100);
-/// Most pixels across that textures surely have.
-const WIDEST: u32 = 8192;
 const LINEAR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// What picture is wanted.
@@ -57,19 +54,14 @@ impl Still {
                 self.path.display()
             )));
         }
-        if self.size.iter().any(|n| !(1..=WIDEST).contains(n)) {
+        if self.size.iter().any(|n| !(1..=Film::WIDEST).contains(n)) {
             let [width, height] = self.size;
             return Err(Error::Argument(format!(
-                "a picture of {width} by {height} pixels can't be drawn: both must be 1 to {WIDEST}"
+                "a picture of {width} by {height} pixels can't be drawn: both must be 1 to {}",
+                Film::WIDEST
             )));
         }
         Ok(())
-    }
-
-    /// Rays across a pixel: two in final quality, where 8192 allow.
-    fn rays_across(&self) -> u32 {
-        let most = WIDEST / self.size[0].max(self.size[1]);
-        if self.quality == Quality::FINAL { most.clamp(1, 2) } else { 1 }
     }
 }
 
@@ -150,8 +142,8 @@ fn ending(path: &Path) -> String {
 
 /// Draws and writes the picture; false where it was cancelled before it was written.
 fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Context) -> Result<bool> {
-    let rays = still.rays_across();
-    let frame = Frame::new(scene, still.size.map(|n| n * rays))?;
+    let film = Film::of_quality(still.size, &still.quality);
+    let frame = film.frame(scene)?;
     let mut renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
     renderer.settings.quality = still.quality;
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -161,19 +153,16 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
         gpu.queue.submit([encoder.finish()]);
         let whole = draw_pieces(gpu, &renderer, pieces, control, window)?;
         if whole {
-            export::write_layers(&still.path, gpu, &layers, still.transparent, rays as usize)?;
+            export::write_layers(&still.path, gpu, &layers, still.transparent, film.rays() as usize)?;
         }
         return Ok(whole);
     }
-    let linear = renderer.picture("linear", frame.size(), LINEAR);
-    let color = linear.create_view(&Default::default());
-    let target = Target { color: &color, depth: None, sky: !still.transparent };
-    let pieces = renderer.begin_pieces(&mut encoder, &frame, &target);
+    let (linear, pieces) = renderer.begin_picture(&mut encoder, &frame, !still.transparent);
     gpu.queue.submit([encoder.finish()]);
     if !draw_pieces(gpu, &renderer, pieces, control, window)? {
         return Ok(false);
     }
-    let picture = Picture::read(gpu, &linear)?.reduced(rays as usize);
+    let picture = film.read(gpu, &linear)?;
     if is_exr {
         export::write_beauty(&still.path, &picture)?;
     } else {

@@ -6,12 +6,9 @@ use super::Picture;
 use crate::{
     Error, Result,
     gpu::Gpu,
-    render::{Frame, Layers, Quality, Renderer, Target, Transport},
+    render::{Film, Frame, Layers, Quality, Renderer, Transport},
     scene::Scene,
 };
-
-/// Largest edge of a texture.
-const MOST: u32 = 8192;
 
 /// Takes pictures in final quality, each pixel the mean of some rays.
 pub struct Studio {
@@ -55,8 +52,8 @@ impl Studio {
     /// # Errors
     /// Where the scene is not valid or the device fails.
     pub fn picture(&mut self, scene: &Scene, size: [u32; 2], sky: bool) -> Result<Picture> {
-        let rays = self.rays_for(size);
-        self.draw(&Frame::new(scene, size.map(|n| rays * n))?, rays, sky)
+        let film = Film::new(size, self.rays);
+        film.take(&self.gpu, &mut self.renderer, &film.frame(scene)?, sky, &mut |_| ())
     }
 
     /// Share of the sun's light that clouds let through to points of a horizontal square of
@@ -66,11 +63,11 @@ impl Studio {
     /// [`crate::Error::Argument`] where the sun does not stand above the horizon; or where the
     /// scene is not valid or the device fails.
     pub fn sunlight_on(&mut self, scene: &Scene, center: DVec3, extent: f64, size: u32) -> Result<Vec<f32>> {
-        let rays = self.rays_for([size; 2]);
-        let frame = Frame::towards_sun(scene, center, extent, rays * size)?;
+        let film = Film::new([size; 2], self.rays);
+        let frame = Frame::towards_sun(scene, center, extent, film.rays() * size)?;
         // Opacity is the same in every model of transport: this is the least work.
         let transport = std::mem::replace(&mut self.renderer.settings.transport, Transport::SINGLE);
-        let picture = self.draw(&frame, rays, false);
+        let picture = film.take(&self.gpu, &mut self.renderer, &frame, false, &mut |_| ());
         self.renderer.settings.transport = transport;
         Ok(picture?.pixels.iter().map(|pixel| 1.0 - pixel[3]).collect())
     }
@@ -100,10 +97,9 @@ impl Studio {
     /// # Errors
     /// Where the scene is not valid or the device fails.
     pub fn shot(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Shot> {
-        let rays = self.rays_for(size);
-        let frame = Frame::new(scene, size.map(|n| rays * n))?;
-        let layers = self.renderer.render_layers(&self.gpu, &frame, &mut |_| ())?;
-        let read = |texture| Ok(Picture::read(&self.gpu, texture)?.reduced(rays as usize));
+        let film = Film::new(size, self.rays);
+        let layers = self.renderer.render_layers(&self.gpu, &film.frame(scene)?, &mut |_| ())?;
+        let read = |texture| film.read(&self.gpu, texture);
         let Layers { single, multiple, air, distance, normal, .. } = &layers;
         let mut color = read(single)?;
         for layer in [read(multiple)?, read(air)?] {
@@ -114,17 +110,5 @@ impl Studio {
         let mut distance = read(distance)?;
         distance.pixels.iter_mut().for_each(|pixel| pixel[0] *= 1e3);
         Ok(Shot { color, distance, normal: read(normal)? })
-    }
-
-    fn draw(&mut self, frame: &Frame, rays: u32, sky: bool) -> Result<Picture> {
-        let texture = self.renderer.picture("shot", frame.size(), wgpu::TextureFormat::Rgba16Float);
-        let view = texture.create_view(&Default::default());
-        let target = Target { color: &view, depth: None, sky };
-        self.renderer.render_in_pieces(&self.gpu, frame, &target, &mut |_| ())?;
-        Ok(Picture::read(&self.gpu, &texture)?.reduced(rays as usize))
-    }
-
-    fn rays_for(&self, size: [u32; 2]) -> u32 {
-        self.rays.min(MOST / size[0].max(size[1]).clamp(1, MOST))
     }
 }

@@ -2,7 +2,7 @@
 //! tests and the editor alike.
 
 use std::sync::{
-    Arc, LazyLock, Mutex,
+    Arc, Mutex,
     atomic::{AtomicBool, Ordering},
 };
 
@@ -44,13 +44,7 @@ pub struct Gpu {
     pub adapter: AdapterSummary,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
-}
-
-/// While this is true, waiting for any device of this process ends in [`Error::Stopped`]: for those who
-/// catch Ctrl-C, or stop long work from another thread.
-pub fn stop_flag() -> &'static Arc<AtomicBool> {
-    static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
-    &STOP
+    stop: Arc<AtomicBool>,
 }
 
 /// Every adapter of this machine, best first.
@@ -105,14 +99,31 @@ impl Gpu {
                 slot.get_or_insert_with(|| error.to_string());
             }
         }));
-        Self { device, queue, adapter, lost, complaint }
+        Self { device, queue, adapter, lost, complaint, stop: Arc::default() }
+    }
+
+    /// While this is true, waiting for the device ends in [`Error::Stopped`]: for those who catch Ctrl-C, or
+    /// stop long work from another thread. Clones share it, others have their own.
+    pub fn stop_token(&self) -> &Arc<AtomicBool> {
+        &self.stop
+    }
+
+    /// The same device with waits that `token` stops, and not those of other clones.
+    #[must_use]
+    pub fn stopped_by(self, token: Arc<AtomicBool>) -> Self {
+        Self { stop: token, ..self }
+    }
+
+    /// Whether work was asked to stop.
+    pub(crate) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
     }
 
     /// Waits until all submitted work is done.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device was lost or the driver complained since the last call,
-    /// [`Error::Stopped`] when [`stop_flag`] was set.
+    /// [`Error::Stopped`] when [`Gpu::stop_token`] was set.
     pub fn finish(&self, doing: &str) -> Result<()> {
         let fail = |reason: String| Err(Error::Gpu { doing: doing.to_owned(), reason });
         if let Err(error) = self.device.poll(wgpu::PollType::wait_indefinitely()) {
@@ -125,7 +136,7 @@ impl Gpu {
                     .to_owned(),
             );
         }
-        if stop_flag().load(Ordering::Relaxed) {
+        if self.is_stopped() {
             return Err(Error::Stopped { kept: "files that were written are whole".to_owned() });
         }
         match self.complaint.lock().ok().and_then(|mut slot| slot.take()) {
@@ -199,6 +210,20 @@ fn no_adapter() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_token_stops_the_waits_that_it_was_given_to_and_no_others() {
+        let gpu = pollster::block_on(Gpu::open(std::env::var("NEPHOS_ADAPTER").ok().as_deref())).unwrap();
+        let (clone, other) = (gpu.clone(), gpu.clone().stopped_by(Arc::default()));
+        let ends =
+            || [&gpu, &clone, &other].map(|gpu| matches!(gpu.finish("waiting"), Err(Error::Stopped { .. })));
+        assert_eq!(ends(), [false; 3]);
+        gpu.stop_token().store(true, Ordering::Relaxed);
+        assert_eq!(ends(), [true, true, false]);
+        other.stop_token().store(true, Ordering::Relaxed);
+        clone.stop_token().store(false, Ordering::Relaxed);
+        assert_eq!(ends(), [false, false, true]);
+    }
 
     #[test]
     fn an_adapter_whose_limits_are_too_low_is_refused_with_a_sentence() {

@@ -9,7 +9,7 @@ mod shader;
 mod texture;
 mod timing;
 
-pub use device::{AdapterSummary, Gpu, adapters, stop_flag};
+pub use device::{AdapterSummary, Gpu, adapters};
 #[cfg(feature = "editor")]
 pub(crate) use device::{choose, wanted};
 pub(crate) use group::bind_group;

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use super::{Way, draw};
+use super::Way;
 use crate::{
     Result,
     gpu::{Gpu, PassTime, Timing},
-    render::{Counts, Frame, Renderer, Target},
+    render::{Counts, Film, Renderer, Target},
     scene::{Scene, SunPosition},
 };
 
@@ -94,18 +94,18 @@ impl Stopwatch<'_> {
         way: &Way,
     ) -> Result<Cost> {
         way.set(renderer);
-        let rays = draw::rays_across(&way.quality.1);
+        let film = Film::of_quality(self.size, &way.quality.1);
         renderer.settings.counting = true;
-        self.frame(renderer, scene, rays)?;
+        self.frame(renderer, scene, film)?;
         let work = Work::new(&renderer.counts(self.gpu)?, self.size);
         renderer.settings.counting = false;
         renderer.timing = Some(Timing::new(self.gpu));
         // Compiles what the counting variant did not.
-        self.frame(renderer, scene, rays)?;
-        let (frame_ms, frame_passes) = self.median(renderer, scene, rays, camera_moved, self.repeats)?;
+        self.frame(renderer, scene, film)?;
+        let (frame_ms, frame_passes) = self.median(renderer, scene, film, camera_moved, self.repeats)?;
         // Slow, and long enough that few repeats tell.
         let seldom = self.repeats.div_ceil(3);
-        let (with_light, light_passes) = self.median(renderer, scene, rays, sun_moved, seldom)?;
+        let (with_light, light_passes) = self.median(renderer, scene, film, sun_moved, seldom)?;
         renderer.timing = None;
         Ok(Cost {
             scene: name,
@@ -124,14 +124,14 @@ impl Stopwatch<'_> {
         &self,
         renderer: &mut Renderer,
         scene: &Scene,
-        rays: u32,
+        film: Film,
         changed: fn(&Scene, f64) -> Scene,
         repeats: u32,
     ) -> Result<(f64, Vec<PassTime>)> {
         let (mut walls, mut passes) = (Vec::new(), Vec::new());
         for repeat in 1..=repeats.max(1) {
             let scene = changed(scene, f64::from(repeat));
-            walls.push(self.frame(renderer, &scene, rays)?);
+            walls.push(self.frame(renderer, &scene, film)?);
             if let Some(timing) = &renderer.timing {
                 passes.push(timing.collect(self.gpu)?);
             }
@@ -143,8 +143,8 @@ impl Stopwatch<'_> {
     }
 
     /// Draws one frame and waits for it; wall time, milliseconds.
-    fn frame(&self, renderer: &mut Renderer, scene: &Scene, rays: u32) -> Result<f64> {
-        let frame = Frame::new(scene, self.size.map(|n| n * rays))?;
+    fn frame(&self, renderer: &mut Renderer, scene: &Scene, film: Film) -> Result<f64> {
+        let frame = film.frame(scene)?;
         let texture = renderer.picture("timed", frame.size(), wgpu::TextureFormat::Rgba16Float);
         let view = texture.create_view(&Default::default());
         self.gpu.finish("making room for a picture")?;

@@ -4,7 +4,7 @@ use crate::{
     Result,
     export::Picture,
     gpu::Gpu,
-    render::{Frame, Quality, Renderer, Target},
+    render::{Film, Frame, Renderer},
     scene::Scene,
 };
 
@@ -17,24 +17,12 @@ pub fn renderer(gpu: &Gpu) -> Renderer {
     renderer
 }
 
-/// Rays across a pixel, as `nephos render` takes them: 2 for what is kept, else 1.
-pub fn rays_across(quality: &Quality) -> u32 {
-    if *quality == Quality::FINAL { 2 } else { 1 }
-}
-
-/// The clouds of `scene` without background, squares of `rays` by `rays` rays averaged.
+/// The clouds of `scene` without background.
 ///
 /// # Errors
 /// Where the scene is not valid or the device fails.
-pub fn clouds(
-    gpu: &Gpu,
-    renderer: &mut Renderer,
-    scene: &Scene,
-    size: [u32; 2],
-    rays: u32,
-) -> Result<Picture> {
-    let frame = Frame::new(scene, size.map(|n| n * rays))?;
-    Ok(drawn(gpu, renderer, &frame)?.reduced(rays as usize))
+pub fn clouds(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, film: Film) -> Result<Picture> {
+    film.take(gpu, renderer, &film.frame(scene)?, false, &mut |_| ())
 }
 
 /// The same by single rays that are as thin as can be: no detail is left out, and no step is
@@ -43,17 +31,10 @@ pub fn clouds(
 /// # Errors
 /// Where the scene is not valid or the device fails.
 pub fn thin_rays(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, size: [u32; 2]) -> Result<Picture> {
-    let mut frame = Frame::new(scene, size)?;
+    let film = Film::new(size, 1);
+    let mut frame = film.frame(scene)?;
     frame.camera.pixel *= 1e-3;
-    drawn(gpu, renderer, &frame)
-}
-
-fn drawn(gpu: &Gpu, renderer: &mut Renderer, frame: &Frame) -> Result<Picture> {
-    let texture = renderer.picture("drawn", frame.size(), HDR);
-    let view = texture.create_view(&Default::default());
-    let target = Target { color: &view, depth: None, sky: false };
-    renderer.render_in_pieces(gpu, frame, &target, &mut |_| ())?;
-    Picture::read(gpu, &texture)
+    film.take(gpu, renderer, &frame, false, &mut |_| ())
 }
 
 /// The sky of `scene` without clouds.
@@ -61,12 +42,7 @@ fn drawn(gpu: &Gpu, renderer: &mut Renderer, frame: &Frame) -> Result<Picture> {
 /// # Errors
 /// Where the scene is not valid or the device fails.
 pub fn sky(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, size: [u32; 2]) -> Result<Picture> {
-    let frame = Frame::new(scene, size)?;
-    let texture = renderer.picture("sky", size, HDR);
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    renderer.render_sky(&mut encoder, &frame, &texture.create_view(&Default::default()));
-    gpu.queue.submit([encoder.finish()]);
-    Picture::read(gpu, &texture)
+    renderer.sky_picture(gpu, &Frame::new(scene, size)?)
 }
 
 /// `clouds` over `sky` as a screen shows them, RGBA of 8 bits.

@@ -5,7 +5,7 @@ use crate::{
     Result,
     export::Picture,
     gpu::Gpu,
-    render::{Quality, Renderer, Transport},
+    render::{Film, Quality, Renderer, Transport},
 };
 
 /// A way of drawing: a model at a quality, by their names.
@@ -84,7 +84,7 @@ pub fn score(
     let (mut scores, mut drawn) = (Vec::new(), Vec::new());
     for way in ways {
         way.set(renderer);
-        let picture = draw::clouds(gpu, renderer, scene, SIZE, draw::rays_across(&way.quality.1))?;
+        let picture = draw::clouds(gpu, renderer, scene, Film::of_quality(SIZE, &way.quality.1))?;
         let bytes = draw::finished(gpu, renderer, scene, &picture, &sky)?;
         let errors = truth.errors(&picture, [&finished, &bytes]);
         let (model, quality) = (way.model.0, way.quality.0);

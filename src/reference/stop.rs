@@ -37,7 +37,7 @@ const LEAST_FOR_NOISE: u32 = 24;
 impl PathTracer {
     /// Adds samples until `stop`, and gives what has been found. `progress` is told after each
     /// piece of work; false from it ends the picture with the last whole one, as does
-    /// [`crate::gpu::stop_flag`] where there is one.
+    /// [`crate::gpu::Gpu::stop_token`] where there is one.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device fails, [`Error::Stopped`], or what `progress` fails with.

@@ -25,7 +25,7 @@ pub use march::{
 };
 #[cfg(test)]
 pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};
-pub use picture::{HeatMap, Layers, Pieces, Renderer, Resolve, SceneDepth, Shown, Target};
+pub use picture::{Film, HeatMap, Layers, Picture, Pieces, Renderer, Resolve, SceneDepth, Shown, Target};
 pub use quality::Quality;
 pub use settings::Settings;
 pub use sky::{Redone, Sky};

@@ -2,7 +2,7 @@
 
 use nephos::{
     export::Picture,
-    render::{Frame, Quality, Renderer, Target, Transport},
+    render::{Film, Quality, Renderer, Transport},
     scene::Scene,
 };
 
@@ -18,12 +18,9 @@ pub fn renderer(quality: Quality, transport: Transport) -> Renderer {
 
 /// Linear, premultiplied pixels of a scene; without the sky behind the clouds where `sky` is false.
 pub fn draw(renderer: &mut Renderer, scene: &Scene, size: [u32; 2], sky: bool) -> Picture {
-    let frame = Frame::new(scene, size).expect("the scene is valid");
-    let texture = renderer.picture("test", size, wgpu::TextureFormat::Rgba16Float);
-    let view = texture.create_view(&Default::default());
-    let target = Target { color: &view, depth: None, sky };
-    renderer.render_in_pieces(gpu(), &frame, &target, &mut |_| ()).expect("the device works");
-    Picture::read(gpu(), &texture).expect("the device works")
+    let film = Film::new(size, 1);
+    let frame = film.frame(scene).expect("the scene is valid");
+    film.take(gpu(), renderer, &frame, sky, &mut |_| ()).expect("the device works")
 }
 
 /// A scene from JSON.

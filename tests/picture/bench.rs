@@ -11,7 +11,7 @@ use common::gpu;
 use glam::DVec3;
 use nephos::{
     measure::{CORPUS, Entry, Limits, Reference, SIZE, Truth, draw, light},
-    render::{Quality, Transport},
+    render::{Film, Quality, Transport},
     scene::{Scene, SunPosition},
 };
 
@@ -29,7 +29,7 @@ fn error(reference: &Reference, scene: &Scene, model: Transport) -> f64 {
     let mut renderer = draw::renderer(gpu());
     (renderer.settings.quality, renderer.settings.transport) = (Quality::PREVIEW, model);
     let sky = draw::sky(gpu(), &mut renderer, &reference.scene, SIZE).unwrap();
-    let drawn = draw::clouds(gpu(), &mut renderer, scene, SIZE, 1).unwrap();
+    let drawn = draw::clouds(gpu(), &mut renderer, scene, Film::new(SIZE, 1)).unwrap();
     Truth { reference, sky: &sky }.rmse(&drawn)
 }
 

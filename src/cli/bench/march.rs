@@ -3,7 +3,7 @@
 use clap::Args;
 use indicatif::ProgressBar;
 
-use super::{chosen, named};
+use super::{super::open, chosen, named};
 use crate::{
     Result,
     cli::terminal,
@@ -47,7 +47,7 @@ impl BenchMarch {
         } else {
             named(&Transport::entries(), &self.models, "--models")?
         };
-        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let gpu = open(self.adapter.as_deref())?;
         let bar = terminal::progress("marching");
         let points = curves(&gpu, &entries, &models, &bar)?;
         bar.finish_and_clear();

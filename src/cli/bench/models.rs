@@ -9,7 +9,7 @@ use std::{
 
 use clap::{Args, ValueEnum};
 
-use super::{chosen, march, named};
+use super::{super::open, chosen, march, named};
 use crate::{
     Error, Result,
     cli::terminal,
@@ -80,7 +80,7 @@ impl BenchModels {
     pub fn run(self) -> Result<()> {
         let ways = self.ways()?;
         let (measured, left_out) = self.references()?;
-        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let gpu = open(self.adapter.as_deref())?;
         let mut report = self.report(&gpu, &measured, left_out);
         self.score(&gpu, &measured, &ways, &mut report)?;
         report.costs = self.costs(&gpu, &measured, &ways)?;

@@ -4,7 +4,7 @@ use std::{fs, path::PathBuf, time::Duration};
 
 use clap::Args;
 
-use super::chosen;
+use super::{super::open, chosen};
 use crate::{
     Error, Result,
     cli::terminal,
@@ -55,7 +55,7 @@ impl MakeReferences {
             path: self.folder.clone(),
             source,
         })?;
-        let gpu = pollster::block_on(Gpu::open(self.adapter.as_deref()))?;
+        let gpu = open(self.adapter.as_deref())?;
         for entry in &entries {
             self.make(&gpu, entry, &limits)?;
         }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::{picture::above_zero, terminal};
+use super::{open, picture::above_zero, terminal};
 use crate::{Error, Result, gpu::Gpu, scene::Scene};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.
@@ -73,7 +73,7 @@ impl Source {
     }
 
     fn gpu(&self) -> Result<Gpu> {
-        pollster::block_on(Gpu::open(self.adapter.as_deref()))
+        open(self.adapter.as_deref())
     }
 }
 

@@ -8,6 +8,7 @@ use super::{Source, above_zero, ending};
 use crate::{
     Error, Result,
     export::{Course, Picture, Studio, Subject, atlas, write_beauty, write_png},
+    render::Film,
     scene::Scene,
 };
 
@@ -59,19 +60,17 @@ pub(super) struct Stage {
     pub studio: Studio,
 }
 
-/// Largest edge of an atlas, pixels: what graphics cards take everywhere.
-const MOST: u32 = 8192;
-
 impl Sprite {
     /// Opens all that is needed for an atlas of `columns` by `rows` tiles.
     pub fn stage(&self, [columns, rows]: [u32; 2]) -> Result<Stage> {
         let kind = ending(&self.output, &["png", "exr"])?;
         let edge = self.tile * columns.max(rows);
-        if edge > MOST {
+        if edge > Film::WIDEST {
             return Err(Error::Argument(format!(
-                "{columns} by {rows} tiles of {} pixels are {edge} pixels across, more than {MOST}: take fewer \
+                "{columns} by {rows} tiles of {} pixels are {edge} pixels across, more than {}: take fewer \
                  or smaller ones",
-                self.tile
+                self.tile,
+                Film::WIDEST
             )));
         }
         let scene = self.source.scene()?;

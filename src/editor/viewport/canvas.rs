@@ -21,7 +21,7 @@ use crate::{
     Result,
     export::Picture,
     gpu::{Gpu, Timing},
-    render::{Frame, Quality, Renderer, Resolve, Shown, Target},
+    render::{Frame, Quality, Renderer, Resolve, Shown},
 };
 
 const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
@@ -299,9 +299,7 @@ impl Canvas {
         let mut encoder = self.encoder();
         let (source, pieces) = match subject.layer {
             Layer::Beauty => {
-                let texture = self.renderer.picture("viewport", size, LINEAR);
-                let target = Target { color: &view(&texture), depth: None, sky: true };
-                let pieces = self.renderer.begin_pieces(&mut encoder, frame, &target);
+                let (texture, pieces) = self.renderer.begin_picture(&mut encoder, frame, true);
                 (Source::Beauty(texture), pieces)
             }
             Layer::Cost => {
@@ -378,11 +376,7 @@ impl Canvas {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn sky(&mut self, frame: &Frame) -> Result<Picture> {
-        let sky = self.renderer.picture("sky", frame.size(), LINEAR);
-        let mut encoder = self.encoder();
-        self.renderer.render_sky(&mut encoder, frame, &view(&sky));
-        self.submit(encoder)?;
-        Picture::read(&self.gpu, &sky)
+        self.renderer.sky_picture(&self.gpu, frame)
     }
 
     /// The texture of a slot, made anew where its size is another.

@@ -48,6 +48,7 @@ use self::{
 use super::Document;
 use crate::{
     gpu::Gpu,
+    render::{Film, Quality},
     scene::{Bounds, Camera, Ellipsoid, Scene},
 };
 
@@ -275,12 +276,13 @@ impl Viewport {
     }
 
     fn draw_picture(&mut self, ui: &Ui, painter: &Painter, document: &Document) {
+        let size = self.pixels(ui.pixels_per_point());
         let subject = Subject {
             scene: document.shared_scene(),
             camera: self.view.seen(self.aspect()),
-            size: self.pixels(ui.pixels_per_point()),
+            size,
             layer: if self.truth.is_some() { Layer::Beauty } else { self.settings.layer },
-            rays: 2,
+            rays: Film::of_quality(size, &Quality::FINAL).rays(),
         };
         let budget = Duration::from_secs_f64(1.0 / self.settings.frames_per_second.clamp(5.0, 120.0));
         self.canvas.measure(self.settings.measure);
@@ -322,7 +324,7 @@ impl Viewport {
     /// Size of the picture: the screen's, unless that is more than wanted.
     fn pixels(&self, pixels_per_point: f32) -> [u32; 2] {
         let size = self.rect.size() * pixels_per_point;
-        let most = if self.settings.largest == 0 { 8192 } else { self.settings.largest };
+        let most = if self.settings.largest == 0 { Film::WIDEST } else { self.settings.largest };
         let mut shrink = (most as f32 / size.x.max(size.y).max(1.0)).min(1.0);
         if self.truth.is_some() {
             // Both sides have the same pixels, as many as paths can be traced for.

@@ -1,16 +1,16 @@
 //! The renderer: keeps what outlives a frame, and records a frame's passes.
 
 mod compose;
+mod film;
 mod pieces;
+mod pixels;
 mod resolve;
 mod target;
-
-use std::sync::atomic::Ordering;
 
 use rayon::prelude::*;
 
 use super::{
-    Counts, Settings,
+    Counts, Quality, Settings,
     light::{Inputs, LightStore},
     march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
@@ -25,7 +25,9 @@ use crate::{
 use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
+pub use film::Film;
 pub use pieces::Pieces;
+pub use pixels::Picture;
 pub use resolve::{HeatMap, Resolve, Shown};
 #[cfg(test)]
 pub(crate) use resolve::{ResolveUniform, uniform as resolve_uniform};
@@ -302,7 +304,7 @@ fn submit(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> bool {
     if let Err(error) = gpu.device.poll(wgpu::PollType::wait_indefinitely()) {
         tracing::error!(%error, "waiting for light");
     }
-    !gpu::stop_flag().load(Ordering::Relaxed)
+    !gpu.is_stopped()
 }
 
 fn attachment(

@@ -1,12 +1,12 @@
 //! Pictures on the CPU.
 
-use crate::scene::Tone;
 use half::f16;
 
+use super::Renderer;
 use crate::{
     Result,
     gpu::{self, Gpu},
-    render::Renderer,
+    scene::Tone,
 };
 
 /// Linear RGBA, rows from the top.
