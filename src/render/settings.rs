@@ -16,7 +16,8 @@ pub struct Settings {
     /// light is that of the clouds alone, as path traced pictures have it.
     pub aerial: bool,
     /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
-    /// what they have, of another moment. For windows in which something moves.
+    /// what they have, of another moment, and are not drawn while they have none. For windows in which
+    /// something moves.
     pub lights_at_once: u32,
     /// Clouds of so many ellipsoids or more are drawn from a volume of depths that is baked once a
     /// shape; those of fewer ask each ellipsoid.

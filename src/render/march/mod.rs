@@ -113,10 +113,21 @@ struct Packed {
 
 /// A cloud ready to be drawn.
 pub(super) struct Draw {
-    variant: Variant,
+    pipeline: wgpu::RenderPipeline,
     /// By number: the march's own, the medium's, the light's where the model has any, the vertices'.
     groups: Vec<(u32, BindGroup)>,
     pub tiles: u32,
+}
+
+impl Draw {
+    /// Records one piece of it.
+    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, tiles: Range<u32>) {
+        pass.set_pipeline(&self.pipeline);
+        for (index, group) in &self.groups {
+            pass.set_bind_group(*index, group, &[]);
+        }
+        pass.draw(0..4, tiles);
+    }
 }
 
 /// Pipelines of the march, compiled when first needed.
@@ -154,7 +165,8 @@ impl March {
         }
     }
 
-    /// Compiles what is missing and binds those `clouds`, by number, that have light and tiles.
+    /// Compiles what is missing and binds those `clouds`, by number, that have tiles; those that wait for
+    /// their first light are left out, and told.
     pub fn prepare(
         &mut self,
         shared: &View<'_>,
@@ -164,9 +176,11 @@ impl March {
         lights: &mut LightStore,
     ) -> Vec<Draw> {
         let frame = shared.frame;
-        let seen: Vec<usize> = (clouds.iter().copied())
-            .filter(|&i| !covers[i].tiles.is_empty() && lights.get(i).is_some())
-            .collect();
+        let in_view = clouds.iter().copied().filter(|&i| !covers[i].tiles.is_empty());
+        let (seen, dark): (Vec<usize>, Vec<usize>) = in_view.partition(|&i| lights.get(i).is_some());
+        if !dark.is_empty() {
+            tracing::debug!(clouds = ?dark, "not drawn before they have light");
+        }
         if seen.is_empty() {
             return Vec::new();
         }
@@ -181,9 +195,10 @@ impl March {
         let camera = gpu::uniform_buffer(&self.device, "camera", &camera);
         let buffers = [&camera, &pack.buffer(&self.device, "clouds")];
         let draw = |(&i, packed): (&usize, Packed)| {
-            self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, lights.get(i)?)
+            let light = lights.get(i).expect("those without light were left out");
+            self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, light)
         };
-        seen.iter().zip(packed).filter_map(draw).collect()
+        seen.iter().zip(packed).map(draw).collect()
     }
 
     #[allow(clippy::too_many_arguments, reason = "a cloud, where it is in the picture, and its light")]
@@ -196,7 +211,7 @@ impl March {
         cover: &Cover,
         media: &Media,
         light: &mut super::light::CloudLight,
-    ) -> Option<Draw> {
+    ) -> Draw {
         let role = media.role(&cloud.medium);
         let variant = variant(shared, cloud, role);
         let transport = variant.transport;
@@ -204,14 +219,18 @@ impl March {
         let key = (role.1, transport);
         let shader =
             self.shaders.entry(key).or_insert_with(|| Shader::new(device, "march", &variant.roles()));
-        self.pipelines
+        let pipeline = self
+            .pipelines
             .entry((variant, shared.format))
-            .or_insert_with(|| pipeline(device, shader, &variant, shared.format));
-        let layout = |group: usize| self.shaders[&key].groups.get(group)?.as_ref();
+            .or_insert_with(|| pipeline(device, shader, &variant, shared.format))
+            .clone();
+        let layouts = &self.shaders[&key].groups;
+        let layout = |group: usize| layouts.get(group).and_then(Option::as_ref);
+        let its_own = |group| layout(group).expect("the march declares groups 0 and 3");
         let mut groups = vec![
-            (0, self.own_group(shared, layout(0)?, buffers, packed)),
+            (0, self.own_group(shared, its_own(0), buffers, packed)),
             (1, media.group(&cloud.medium).clone()),
-            (3, self.vertex_group(shared, layout(3)?)),
+            (3, self.vertex_group(shared, its_own(3))),
         ];
         if let Some(layout) = layout(2) {
             let tables = self.tables.entry(transport).or_insert_with(|| {
@@ -229,7 +248,7 @@ impl March {
             };
             groups.push((2, light.group(&binding, cloud).clone()));
         }
-        Some(Draw { variant, groups, tiles: cover.tiles.len() as u32 })
+        Draw { pipeline, groups, tiles: cover.tiles.len() as u32 }
     }
 
     /// Group 3: what light reaches the cloud's base and top.
@@ -266,22 +285,6 @@ impl March {
     /// What has been compiled so far.
     pub fn variants(&self) -> impl Iterator<Item = &Variant> {
         self.pipelines.keys().map(|(variant, _)| variant)
-    }
-
-    /// Records one piece of a draw.
-    pub fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        format: wgpu::TextureFormat,
-        draw: &Draw,
-        tiles: Range<u32>,
-    ) {
-        let Some(pipeline) = self.pipelines.get(&(draw.variant, format)) else { return };
-        pass.set_pipeline(pipeline);
-        for (index, group) in &draw.groups {
-            pass.set_bind_group(*index, group, &[]);
-        }
-        pass.draw(0..4, tiles);
     }
 }
 

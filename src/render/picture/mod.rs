@@ -157,12 +157,10 @@ impl Renderer {
         format: wgpu::TextureFormat,
         tone: Tone,
     ) {
-        if self.compose.as_ref().is_none_or(|(known, _)| *known != format) {
-            self.compose = Some((format, Compose::new(&self.device, format)));
-        }
-        if let Some((_, compose)) = &self.compose {
-            compose.draw(&self.device, encoder, picture, target, tone);
-        }
+        let known = self.compose.take().filter(|(known, _)| *known == format);
+        let made = known.unwrap_or_else(|| (format, Compose::new(&self.device, format)));
+        let (_, compose) = self.compose.insert(made);
+        compose.draw(&self.device, encoder, picture, target, tone);
     }
 
     /// A texture that can be drawn into, sampled and read back.
@@ -325,4 +323,22 @@ fn clear(encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView) {
         color_attachments: &[Some(attachment(target, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)))],
         ..Default::default()
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn may_be_shared<T: Send + Sync>() {}
+
+    /// Engines keep renderers among what their systems share, and frames go from thread to thread.
+    #[allow(dead_code, reason = "it is enough that this compiles")]
+    const SHARED: () = {
+        may_be_shared::<Renderer>();
+        may_be_shared::<Pieces>();
+        may_be_shared::<Layers>();
+        may_be_shared::<Resolve>();
+        may_be_shared::<Frame>();
+        may_be_shared::<Gpu>();
+    };
 }

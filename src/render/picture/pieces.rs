@@ -25,12 +25,11 @@ pub struct Pieces {
 struct Stage {
     draws: Vec<Draw>,
     targets: Vec<TextureView>,
-    format: wgpu::TextureFormat,
 }
 
 impl Stage {
-    fn new(draws: Vec<Draw>, targets: &[&TextureView], format: wgpu::TextureFormat) -> Self {
-        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect(), format }
+    fn new(draws: Vec<Draw>, targets: &[&TextureView]) -> Self {
+        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect() }
     }
 }
 
@@ -81,7 +80,7 @@ impl Renderer {
             self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
         }
         let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
-        Pieces::new(vec![Stage::new(draws, &[target.color], self.format)])
+        Pieces::new(vec![Stage::new(draws, &[target.color])])
     }
 
     /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
@@ -106,8 +105,8 @@ impl Renderer {
         let [single_to, multiple_to, air_to, distance_to, normal_to] = &targets;
         let lit = [single_to, multiple_to, air_to, distance_to];
         let work = vec![
-            Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to], HDR),
-            Stage::new(self.draws(frame, None, "layers", HDR), &lit, HDR),
+            Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to]),
+            Stage::new(self.draws(frame, None, "layers", HDR), &lit),
         ];
         (Layers { sky, single, multiple, air, distance, normal }, Pieces::new(work))
     }
@@ -123,7 +122,7 @@ impl Renderer {
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
         let draws = self.draws(frame, None, "cost", HDR);
-        let work = Stage::new(draws, &[&view(&cost)], HDR);
+        let work = Stage::new(draws, &[&view(&cost)]);
         (cost, Pieces::new(vec![work]))
     }
 
@@ -138,7 +137,7 @@ impl Renderer {
                 && let Some(draw) = stage.draws.get(pieces.draw)
             {
                 let drawn = left.min(draw.tiles - pieces.tile);
-                self.march.draw(&mut pass, stage.format, draw, pieces.tile..pieces.tile + drawn);
+                draw.record(&mut pass, pieces.tile..pieces.tile + drawn);
                 left -= drawn;
                 pieces.done += drawn;
                 pieces.tile += drawn;
