@@ -65,7 +65,7 @@ pub struct FieldUniform {
     pub(crate) cell: Vec3,
     pub(crate) lights: u32,
     pub(crate) size: UVec3,
-    pub(crate) ahead: f32,
+    pub(crate) truncated: f32,
     pub(crate) scattering: Vec4,
     pub(crate) beam: Vec4,
 }
@@ -305,7 +305,7 @@ impl Solver<'_> {
         if asymmetry < LEAST_ASYMMETRY {
             return 1;
         }
-        let kept = (1.0 - self.species.truncated) * (1.0 - uniform.ahead) * (1.0 - asymmetry);
+        let kept = (1.0 - self.species.truncated) * (1.0 - uniform.truncated) * (1.0 - asymmetry);
         repeats((kept * self.densest * self.field_box.extent.min_element()).into(), albedo.into())
     }
 
@@ -331,7 +331,7 @@ impl Solver<'_> {
             cell: self.field_box.extent / size.as_vec3(),
             lights: self.lights.count(),
             size,
-            ahead: species.albedo * species.ahead,
+            truncated: species.albedo * species.ahead,
             scattering: Vec4::from(
                 species.chi.map(|chi| {
                     species.albedo * (chi - species.ahead) / (1.0 - species.albedo * species.ahead)
