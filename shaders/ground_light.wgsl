@@ -1,6 +1,6 @@
 // Table of the irradiance of the ground, by the zenith angle of the sun: the sun's light
 // through the air, and the sky's.
-// @use atmosphere
+// @use atmosphere sphere_grid
 
 @group(0) @binding(0) var<uniform> sky: Sky;
 @group(0) @binding(1) var transmittance: texture_2d<f32>;
@@ -19,12 +19,12 @@ const PLACES: u32 = 8u;
     var radiance = vec3f(0.0);
     for (var i = 0u; i < RINGS * PLACES; i++) {
         // Evenly in the square of the cosine: the mean is then weighted with the cosine.
-        let mu = sqrt((f32(i / PLACES) + 0.5) / f32(RINGS));
-        let sine = sin(0.5 * PI * (f32(i % PLACES) + 0.5) / f32(PLACES));
+        let mu = weighted_cosine(middle_of(i / PLACES, RINGS));
+        let sine = half_circle_sine(i % PLACES, PLACES);
         let ray = sky_view_ray(0.0, mu, sine, mu_sun);
         let length = distance_to_top(sky.atmosphere, 0.0, mu);
         radiance += air_light(sky.atmosphere, transmittance, multiple, linear_sampler, ray, length, STEPS).radiance;
     }
-    let value = sun + PI * radiance / f32(RINGS * PLACES);
+    let value = sun + hemisphere_irradiance(radiance, RINGS * PLACES);
     textureStore(result, vec2u(id.x, 0u), vec4f(TABLE_SCALE * value, 1.0));
 }

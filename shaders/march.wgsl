@@ -2,7 +2,7 @@
 // Quads cover the tiles that the cloud can touch; each tile lists what its rays can meet. The
 // medium cuts a ray into stretches: clear ones are jumped over, homogeneous ones are integrated in
 // closed form, the rest is sampled (`steps`). What is seen is gathered in pieces and lit (`gather`).
-// @use atmosphere camera counts random steps medium light
+// @use atmosphere camera counts random ray_seen steps medium light
 
 // The cloud for this picture.
 struct Cloud {
@@ -104,15 +104,7 @@ fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
         return 1e29;
     }
     let depth = textureLoad(scene_depth, vec2u(pixel), 0);
-    let d = cloud.scene_depth;
-    let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
-    return axial / max(dot(ray.direction, normalize(camera.forward)), 1e-6);
-}
-
-// Whether the pixel in direction `d` shows any of the sun's disc, which is drawn no
-// smaller than a pixel. Its edge must be as dark as the rest.
-fn sees_sun_disc(d: vec3f) -> bool {
-    return cloud.sun_radius > 0.0 && length(d - cloud.to_sun) < max(cloud.sun_radius, camera.pixel) + camera.pixel;
+    return depth_distance(camera, cloud.scene_depth, depth, ray.direction);
 }
 
 // A pixel's light, premultiplied by opacity.
@@ -132,32 +124,26 @@ fn shade(v: Varyings) -> Shade {
     let ray = LightRay(cloud.camera + seen_from_camera.origin, seen_from_camera.direction, cloud.to_sun,
         Region(v.first, v.count), medium_species(0u));
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    // Before the sun a little transmittance is much light: look deeper there.
-    let opaque = cloud.opaque / (1.0 + 10.0 * light_glare(ray));
+    let opaque = opaque_before(cloud.opaque, light_glare(ray));
     let m = march(ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
     if m.transmittance >= 1.0 {
         return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
     }
     count(HITS, 1u);
-    // A ray that is as good as opaque is: nothing gets through, and the little light that was not
-    // gathered is like what was.
-    let closed = m.transmittance < opaque;
-    let share = select(1.0, 1.0 / (1.0 - m.transmittance), closed);
-    let opacity = select(1.0 - m.transmittance, 1.0, closed);
-    let optical_depth = select(m.optical_depth, 1e4, closed);
-    // Light of the forward peak is not lost to a smooth background, but it is to the
-    // sun's disc: there, and only there, all that was scattered is gone.
-    let alpha = select(opacity, 1.0 - exp(-optical_depth), PEAK && sees_sun_disc(ray.direction));
-    let distance = m.distance * share / opacity;
-    let height = saturate(0.5 + m.height * share / (opacity * max(cloud.top - cloud.base, 1.0)));
+    let seen = ray_seen(m.transmittance, m.optical_depth, opaque);
+    let before_sun = PEAK && sees_disc(ray.direction, cloud.to_sun, cloud.sun_radius, camera.pixel);
+    let alpha = ray_alpha(seen, before_sun);
+    let distance = ray_mean(m.distance, seen);
+    let height = ray_height(m.height, cloud.top - cloud.base, seen);
+    let normal = seen.share * m.normal;
     let lights = Lights(mix(v.sun_base, v.sun_top, height), v.sky, v.horizon, v.ground);
-    let light = light_ray(m.light, ray, RaySeen(opacity, optical_depth, share), lights);
+    let light = light_ray(m.light, ray, seen, lights);
     if !AERIAL {
-        return Shade(alpha, light.single, light.multiple, vec3f(0.0), distance, share * m.normal);
+        return Shade(alpha, light.single, light.multiple, vec3f(0.0), distance, normal);
     }
     let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);
     return Shade(alpha, light.single * air.a, light.multiple * air.a, alpha * cloud.sun_irradiance * air.rgb,
-        distance, share * m.normal);
+        distance, normal);
 }
 
 // Largest value of a half float.

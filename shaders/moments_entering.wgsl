@@ -1,6 +1,6 @@
 // Light of sky and ground that enters a cloud along each direction of the quadrature: the mean
 // over the part of the sphere that the direction stands for. One workgroup a direction.
-// @use atmosphere
+// @use atmosphere sphere_grid
 
 // Sines of elevation, and azimuths, rad, between which the light comes from.
 struct Patch {
@@ -33,8 +33,7 @@ fn radiance_from(mu: f32, azimuth: f32) -> vec3f {
         return sky.radiance;
     }
     let altitude = max(sky.light_altitude, 0.0);
-    let around = sqrt(max(1.0 - mu * mu, 0.0));
-    let sine = half_azimuth_sine(vec3f(around * cos(azimuth), mu, around * sin(azimuth)), sky.to_sun);
+    let sine = half_azimuth_sine(direction_at(mu, azimuth), sky.to_sun);
     let ray = sky_view_ray(altitude, mu, sine, sky.to_sun.y);
     let ground = mu < horizon_mu(sky.atmosphere, altitude);
     return sky.irradiance * sky_radiance(sky.atmosphere, transmittance, multiple, ground_table, linear_sampler, ray, ground, STEPS);

@@ -1,6 +1,6 @@
 // What a cell of the field holds: mean extinction, and the share of the sun's beam that
 // reaches its droplets, from eight samples. One thread a cell.
-// @use attenuation field light_box medium
+// @use field light_box medium
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<uniform> sun: LightBox;
@@ -22,28 +22,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= field_cells(field) {
         return;
     }
-    let corner = field.low + vec3f(field_place(field, id.x)) * field.cell;
     let size = textureDimensions(sun_volume);
     let blur = 0.5 * min(field.cell.x, min(field.cell.y, field.cell.z));
-    let kept = 1.0 - field.ahead;
     var sum = 0.0;
     var lit = 0.0;
     var open = 0.0;
     for (var i = 0u; i < 8u; i++) {
-        let p = corner + (0.25 + 0.5 * vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u))) * field.cell;
+        let p = field_sample(field, id.x, i);
         let at = light_box_coordinate(sun, p);
         let extinction = extinction_at(p, lists[light_box_brick(size, at)], blur);
         let depth = textureSampleLevel(sun_volume, linear, at, 0.0).r;
-        let through = exp(-kept * depth);
+        let through = field_beam(field, depth);
         sum += extinction;
         lit += extinction * through;
         open += through;
     }
-    // No more light is scattered in a cell than comes in by its face: that face, across the light, is
-    // its volume over `length`. Eight points of a thick cell may see too much of it.
-    let d = abs(field.beam.xyz);
-    let length = 1.0 / max(d.x / field.cell.x + d.y / field.cell.y + d.z / field.cell.z, 1e-12);
-    let extinction = 0.125 * kept * sum;
-    let beam = select(0.125 * open, min(lit / sum, mean_through(length * extinction)), sum > 0.0);
-    cells[id.x] = FieldCell(extinction, beam);
+    cells[id.x] = field_cell(field, sum, lit, open);
 }

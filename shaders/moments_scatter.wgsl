@@ -1,7 +1,7 @@
 // One round of scattering: the moments of the radiance in a cell, and the source that they
 // make towards each direction. The first round takes the moments of a coarser field instead.
 // One thread a cell and light.
-// @use field harmonics
+// @use characteristic field harmonics
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
@@ -23,27 +23,23 @@ fn gathered(first: u32, cell: u32) -> array<vec4f, 4> {
     for (var i = 0u; i < field.directions; i++) {
         let d = directions[i];
         let light = d.w * radiance[first + i * field_cells(field) + cell];
-        sum[0] += light * harmonics_low(d.xyz);
-        sum[1] += light * harmonics_square(d.xyz);
-        sum[2] += light * harmonics_mixed(d.xyz);
-        sum[3] += light * harmonics_cubic(d.xyz);
+        sum = harmonics_with(sum, light, d.xyz);
     }
     return sum;
 }
 
 // Between the cells of the coarser field.
 fn interpolated(light: u32, cell: u32) -> array<vec4f, 4> {
-    let place = (vec3f(field_place(field, cell)) + 0.5) * vec3f(coarse.size) / vec3f(field.size) - 0.5;
+    let place = field_within(field, coarse, cell);
     let low = floor(place);
     let part = place - low;
     var sum = array<vec4f, 4>();
     for (var i = 0u; i < 8u; i++) {
         let side = vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u));
-        let weights = mix(1.0 - part, part, side);
         let at = vec3u(clamp(low + side, vec3f(0.0), vec3f(coarse.size) - 1.0));
         let value = coarse_moments[light * field_cells(coarse) + field_index(coarse, at)];
         for (var j = 0u; j < 4u; j++) {
-            sum[j] += weights.x * weights.y * weights.z * value[j];
+            sum[j] += trilinear_weight(part, i) * value[j];
         }
     }
     return sum;
@@ -68,16 +64,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     moments[id.y * count + id.x] = all;
     let beam = field.beam.w * cells[id.x].beam;
-    let d = field.beam.xyz;
-    let s = field.scattering;
-    all[0] = s.xyyy * (all[0] + beam * harmonics_low(d));
-    all[1] = s.zzzz * (all[1] + beam * harmonics_square(d));
-    all[2] = s.zwww * (all[2] + beam * harmonics_mixed(d));
-    all[3] = s.wwww * (all[3] + beam * harmonics_cubic(d));
+    all = harmonics_scattered(harmonics_with(all, beam, field.beam.xyz), field.scattering);
     for (var i = 0u; i < field.directions; i++) {
-        let d = directions[i].xyz;
-        let light = dot(all[0], harmonics_low(d)) + dot(all[1], harmonics_square(d))
-            + dot(all[2], harmonics_mixed(d)) + dot(all[3], harmonics_cubic(d));
-        source[first + i * count + id.x] = light;
+        source[first + i * count + id.x] = harmonics_sum(all, directions[i].xyz);
     }
 }

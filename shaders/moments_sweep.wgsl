@@ -1,8 +1,7 @@
 // Light along each direction of the quadrature through the field, from the source that the
-// last round of scattering left: short characteristics (Kunasz and Auer 1988) with a source
-// that is linear between planes. One workgroup a direction and light; it goes from plane to
+// last round of scattering left: short characteristics (`lib/characteristic`). One workgroup a direction and light; it goes from plane to
 // plane across the axis along which its direction crosses cells the fastest.
-// @use field attenuation
+// @use characteristic field
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
@@ -21,8 +20,7 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
     // Find the axis and what a step from plane to plane is.
     let way = directions[group.x].xyz;
     let rates = way / field.cell;
-    var a = select(0u, 1u, abs(rates.y) > abs(rates.x));
-    a = select(a, 2u, abs(rates.z) > abs(rates[a]));
+    let a = sweep_axis(rates);
     let u = (a + 1u) % 3u;
     let v = (a + 2u) % 3u;
     let step = 1.0 / abs(rates[a]);
@@ -39,9 +37,9 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
             let at = vec2u(c % size.x, c / size.x);
             let cell = plane + at.x * strides[u] + at.y * strides[v];
             let here = cells[cell].extinction;
-            let emitted = source[first + cell];
+            let source_here = source[first + cell];
             // Interpolate what comes from the plane before.
-            var up = vec3f(outside, 0.0, emitted);
+            var up = vec3f(outside, 0.0, source_here);
             if s > 0u {
                 let from_place = vec2f(at) - shift;
                 let low = floor(from_place);
@@ -49,19 +47,15 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
                 up = vec3f(0.0);
                 for (var i = 0u; i < 4u; i++) {
                     let side = vec2f(vec2u(i & 1u, i >> 1u));
-                    let weights = mix(1.0 - part, part, side);
                     let place = vec2i(low + side);
                     let inside = all(place >= vec2i(0)) && all(place < vec2i(size));
                     let held = vec2u(clamp(place, vec2i(0), vec2i(size) - 1));
                     let other = before + held.x * strides[u] + held.y * strides[v];
                     let value = vec3f(radiance[first + other], cells[other].extinction, source[first + other]);
-                    up += weights.x * weights.y * select(vec3f(outside, 0.0, emitted), value, inside);
+                    up += bilinear_weight(part, i) * select(vec3f(outside, 0.0, source_here), value, inside);
                 }
             }
-            let depth = step * select(0.5 * here, 0.5 * (here + up.y), s > 0u);
-            let through = exp(-depth);
-            let mean = mean_through(depth);
-            radiance[first + cell] = up.x * through + emitted * (1.0 - mean) + up.z * (mean - through);
+            radiance[first + cell] = short_characteristic(Upwind(up.x, up.y, up.z), here, source_here, step);
         }
         storageBarrier();
         workgroupBarrier();

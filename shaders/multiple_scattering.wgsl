@@ -2,7 +2,7 @@
 // 2020, section 5.5): from the second order on, light is taken to scatter evenly in all
 // directions, and the air around a point to be lit as the point is. Then each order is
 // the one before times the share `again` that scatters once more: a geometric series.
-// @use atmosphere
+// @use atmosphere sphere_grid
 
 @group(0) @binding(0) var<uniform> sky: Sky;
 @group(0) @binding(1) var transmittance: texture_2d<f32>;
@@ -35,12 +35,12 @@ fn orders_along(a: Atmosphere, ray: AirRay) -> Orders {
         let medium = atmosphere_medium(a, here.altitude);
         let scattering = medium.rayleigh + medium.mie;
         let sun = sun_irradiance_at(a, transmittance, linear_sampler, here.altitude, here.mu_sun);
-        once = scattering_step(once, INV_4PI * sun * scattering, medium.extinction, end - start);
+        once = scattering_step(once, even_source(sun, scattering), medium.extinction, end - start);
         again = scattering_step(again, scattering, medium.extinction, end - start);
         start = end;
     }
     let foot = max(air_ray_at(a, ray, length).mu_sun, 0.0);
-    let lit = a.ground_albedo / PI * foot * sun_irradiance_at(a, transmittance, linear_sampler, 0.0, foot);
+    let lit = matt_radiance(a.ground_albedo, vec3f(foot)) * sun_irradiance_at(a, transmittance, linear_sampler, 0.0, foot);
     return Orders(once.radiance + select(vec3f(0.0), lit * once.transmittance, ground), again.radiance);
 }
 
@@ -49,8 +49,8 @@ fn orders_along(a: Atmosphere, ray: AirRay) -> Orders {
     let point = multiple_point(sky.atmosphere, size, (vec2f(id.xy) + 0.5) / size);
     var sum = Orders(vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < RINGS * PLACES; i++) {
-        let mu = 2.0 * (f32(i / PLACES) + 0.5) / f32(RINGS) - 1.0;
-        let sine = sin(0.5 * PI * (f32(i % PLACES) + 0.5) / f32(PLACES));
+        let mu = 2.0 * middle_of(i / PLACES, RINGS) - 1.0;
+        let sine = half_circle_sine(i % PLACES, PLACES);
         let orders = orders_along(sky.atmosphere, sky_view_ray(point.x, mu, sine, point.y));
         sum = Orders(sum.second + orders.second, sum.again + orders.again);
     }

@@ -11,7 +11,7 @@
 // ways are weighted by what both together would have chosen (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use atmosphere camera medium path_random phase
+// @use atmosphere camera medium path_choice path_random phase ray_box
 
 struct Scene {
     // Least corner of the grid relative to the scene's origin, m; the scene's origin is
@@ -73,14 +73,6 @@ struct Path {
     // Where the shadow ray began.
     origin: vec3f,
     padding: u32,
-}
-
-// Welford's running mean and sum of squared differences.
-struct Sum {
-    mean: vec3f,
-    alpha: f32,
-    squares: vec3f,
-    padding: f32,
 }
 
 const START: u32 = 0u;
@@ -156,32 +148,6 @@ fn scattered(species: u32, channel: u32, before: vec3f) -> vec3f {
     return turned(before, angle, 6.2831853 * draw());
 }
 
-// Where in its table a share of the light is: at both ends the square root of what is left, so
-// that angles there, which grow like that root, are linear in it.
-fn share_coordinate(share: f32) -> f32 {
-    let half = sqrt(0.5 * min(share, 1.0 - share));
-    return select(1.0 - half, half, share < 0.5);
-}
-
-// `d` turned by an angle, in a direction about it that `azimuth` chooses.
-fn turned(d: vec3f, angle: f32, azimuth: f32) -> vec3f {
-    let helper = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(d.x) > 0.7);
-    let u = normalize(cross(d, helper));
-    let v = cross(d, u);
-    return normalize(cos(angle) * d + sin(angle) * (cos(azimuth) * u + sin(azimuth) * v));
-}
-
-// Distances at which a ray enters and leaves the grid; entry beyond exit where it misses.
-fn grid_span(origin: vec3f, direction: vec3f) -> vec2f {
-    let high = scene.low + scene.cell * vec3f(scene.size);
-    let inverse = 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-    let a = (scene.low - origin) * inverse;
-    let b = (high - origin) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
-}
-
 // Tracking as far as the next tentative collision.
 struct Step {
     position: vec3f,
@@ -201,11 +167,10 @@ const CELLS: u32 = 24u;
 // left of an exponential is distributed like a fresh one.)
 fn track(position: vec3f, direction: vec3f) -> Step {
     var p = position;
-    var left = -log(1.0 - draw());
+    var left = free_flight(draw());
     var outside = false;
     var tentative = false;
     var cell = Cell(0u, 0u, 0.0, 0u);
-    let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
     for (var i = 0u; i < CELLS; i++) {
         let place = (p - scene.low) / scene.cell;
         let index = vec3i(floor(place));
@@ -215,10 +180,7 @@ fn track(position: vec3f, direction: vec3f) -> Step {
         }
         let c = vec3u(index);
         cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
-        // Distance to the cell's walls, and a little beyond so that the next cell is another.
-        let wall = (vec3f(index) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0)) - place) * scene.cell;
-        let ways = abs(wall / steady);
-        let exit = min(ways.x, min(ways.y, ways.z)) + 1e-4 * scene.cell;
+        let exit = cell_exit(place, scene.cell, direction);
         tentative = cell.majorant * exit > left;
         if tentative {
             p += left / cell.majorant * direction;
@@ -262,7 +224,8 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     let offset = vec2f(draw(), draw());
     let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
     let origin = scene.camera + ray.origin;
-    let span = grid_span(origin, ray.direction);
+    let high = scene.low + scene.cell * vec3f(scene.size);
+    let span = box_span(scene.low, high, origin, ray.direction);
     (*path).direction = ray.direction;
     (*path).position = origin + (span.x + 1e-4 * scene.cell) * ray.direction;
     // A ray that misses the grid is outside at once.
@@ -278,13 +241,7 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
 
 fn finish(path: ptr<function, Path>, index: u32) {
     let hit = select(0.0, 1.0, (*path).collisions > 0u);
-    var sum = sums[index];
-    let difference = (*path).gathered - sum.mean;
-    let n = f32((*path).taken + 1u);
-    sum.mean += difference / n;
-    sum.squares += difference * ((*path).gathered - sum.mean);
-    sum.alpha += (hit - sum.alpha) / n;
-    sums[index] = sum;
+    sums[index] = sum_with(sums[index], (*path).gathered, hit, (*path).taken + 1u);
     (*path).taken += 1u;
     (*path).mode = start_or_done(path, index);
 }
@@ -295,8 +252,7 @@ fn start_or_done(path: ptr<function, Path>, index: u32) -> u32 {
 
 // What a path carries, its three ways to be chosen weighed together.
 fn carried(path: ptr<function, Path>) -> vec3f {
-    let choice = (*path).choice;
-    return 3.0 * (*path).throughput / (choice.x + choice.y + choice.z);
+    return spectral_weight((*path).throughput, (*path).choice);
 }
 
 // A real collision: aim at the sun.
@@ -306,20 +262,17 @@ fn collide(path: ptr<function, Path>, p: vec3f, species: u32) {
     (*path).species = species;
     (*path).collisions += 1u;
     (*path).throughput *= phase_tables[TABLE * species];
-    let angle = scene.sun_radius * sqrt(draw());
+    let angle = disc_angle(scene.sun_radius, draw());
     (*path).to_light = turned(scene.to_sun, angle, 6.2831853 * draw());
     (*path).light = phase(species, (*path).direction, (*path).to_light) * sun_at(p);
     (*path).shadow = 1.0;
     (*path).mode = SHADOW;
 }
 
-// Share of directions drawn around the sun at a collision. A direction around the path that
-// happens to be the sun's has P(to the sun) times the light of one that was drawn around the
-// sun, over this share: so the share grows with P.
+// Share of directions drawn around the sun at a collision.
 fn share_to_sun(path: ptr<function, Path>) -> f32 {
     let toward = phase((*path).species, (*path).direction, scene.to_sun).y;
-    let least = TO_SUN * 8.0 / (7.0 + f32((*path).collisions));
-    return select(0.0, max(least, MOST_TO_SUN * toward / (toward + 1.0)), TO_SUN > 0.0);
+    return share_around_sun(TO_SUN, MOST_TO_SUN, toward, (*path).collisions);
 }
 
 // Chooses where to go on from a collision: around the path or around the sun.
@@ -331,7 +284,7 @@ fn choose_direction(path: ptr<function, Path>) {
     let around = select(before, scene.to_sun, draw() < share);
     let after = scattered(species, channel, around);
     let scattering = phase(species, before, after);
-    let chances = (1.0 - share) * scattering + share * phase(species, scene.to_sun, after);
+    let chances = mixed_density(share, scattering, phase(species, scene.to_sun, after));
     let chance = chances[channel];
     (*path).direction = after;
     (*path).throughput *= scattering / chance;
@@ -342,9 +295,7 @@ fn choose_direction(path: ptr<function, Path>) {
 // them with a chance above that of leaving the cloud would put all of their light, percents of
 // a thick cloud's, on paths too rare to be seen.
 fn roulette(path: ptr<function, Path>) {
-    let light = carried(path);
-    let most = max(light.x, max(light.y, light.z));
-    let survival = select(1.0, 0.25, most < FAINT && !near_sun(path));
+    let survival = roulette_survival(carried(path), FAINT, near_sun(path));
     if draw() >= survival {
         (*path).throughput = vec3f(0.0);
     }
@@ -374,7 +325,7 @@ fn advance(path: ptr<function, Path>, index: u32) {
     let direction = select((*path).direction, (*path).to_light, is_shadow);
     let step = track((*path).position, direction);
     (*path).position = step.position;
-    let share = select(0.0, step.matter.extinction / max(step.majorant, 1e-20), step.tentative);
+    let share = select(0.0, real_share(step.matter.extinction, step.majorant), step.tentative);
     var seen = false;
     if is_shadow {
         (*path).shadow *= 1.0 - share;

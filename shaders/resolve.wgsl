@@ -40,9 +40,8 @@ fn mean_of_rays(pixel: vec2u) -> vec4f {
     return sum / f32(settings.rays * settings.rays);
 }
 
-// Logarithmic: a step from 1 to 2 counts as much as one from 100 to 200.
 fn heat(value: f32) -> vec3f {
-    let x = 9.0 * saturate(log2(1.0 + max(value, 0.0)) / log2(1.0 + settings.range));
+    let x = 9.0 * heat_share(value, settings.range);
     let i = min(u32(x), 8u);
     return mix(settings.stops[i], settings.stops[i + 1u], x - f32(i)).rgb;
 }

@@ -1,5 +1,5 @@
 // The background: sky, ground and the sun's disc, into a linear target.
-// @use atmosphere camera
+// @use atmosphere camera sun_disc
 
 // Is the sky an atmosphere, or the same everywhere?
 override ATMOSPHERE: bool = true;
@@ -38,14 +38,6 @@ struct Corner {
 // Largest value of a half float.
 const MOST: f32 = 65504.0;
 
-// Share of the pixel in `direction` that is above the horizon.
-fn share_above(altitude: f32, direction: vec3f) -> f32 {
-    let a = sky.atmosphere;
-    // The zenith angle changes by sin(horizon) = R / r times less than its cosine.
-    let angle = (direction.y - horizon_mu(a, altitude)) * (a.ground_radius + altitude) / a.ground_radius;
-    return saturate(0.5 + angle / camera.pixel);
-}
-
 fn air_and_ground(direction: vec3f) -> vec3f {
     let a = sky.atmosphere;
     let altitude = max(camera.altitude, 0.0);
@@ -54,35 +46,21 @@ fn air_and_ground(direction: vec3f) -> vec3f {
     let above = sky_view_uv(a, size, altitude, direction.y, sine, false);
     let below = sky_view_uv(a, size, altitude, direction.y, sine, true);
     let light = mix(textureSampleLevel(sky_view, linear_sampler, below, 0.0).rgb,
-        textureSampleLevel(sky_view, linear_sampler, above, 0.0).rgb, share_above(altitude, direction));
+        textureSampleLevel(sky_view, linear_sampler, above, 0.0).rgb, share_above(a, altitude, direction.y, camera.pixel));
     return light / TABLE_SCALE;
 }
 
-// Exponents of the darkening towards the sun's limb, of the cosine of the angle to the
-// sun's surface: Hestroffer and Magnan, "Wavelength dependency of the solar limb
-// darkening", A&A 333, 1998, in the red, green and blue as Hillaire uses them.
-const LIMB: vec3f = vec3f(0.397, 0.503, 0.652);
-
-// Radiance of the disc of the sun. A disc smaller than a pixel is drawn as large as
-// the pixel and dimmer, so that it neither flickers nor gains light.
+// Radiance of the disc of the sun, through the air.
 fn sun_disc(direction: vec3f) -> vec3f {
     let pixel = camera.pixel;
-    // Chords, not cosines, which are all 1 here.
-    let radius = max(2.0 * sin(0.5 * sky.atmosphere.sun_radius), 0.5 * pixel);
+    let radius = disc_radius(sky.atmosphere.sun_radius, pixel);
     let from_center = distance(direction, sky.to_sun);
-    let share = saturate(0.5 + (radius - from_center) / pixel);
-    // Pixels on the edge take the limb of their inner half; one pixel alone has none.
-    let sharp = 1.0 - 0.5 * pixel / radius;
-    let rim = min(from_center / radius, sharp);
-    let exponent = 0.5 * sharp * LIMB;
-    // Its mean over the disc is 1.
-    let limb = (1.0 + exponent) * pow(vec3f(max(1.0 - rim * rim, 1e-6)), exponent);
-    // The integral of `share` is the solid angle, edge included.
-    var radiance = limb * sky.irradiance / (PI * (radius * radius + pixel * pixel / 12.0));
+    let share = disc_share(radius, pixel, from_center);
+    var radiance = disc_radiance(sky.irradiance, radius, pixel, from_center);
     if ATMOSPHERE {
         let altitude = max(camera.altitude, 0.0);
         let above = max(direction.y, horizon_mu(sky.atmosphere, altitude));
-        radiance *= share_above(altitude, direction) * transmittance_from(altitude, above);
+        radiance *= share_above(sky.atmosphere, altitude, direction.y, pixel) * transmittance_from(altitude, above);
     }
     // What a half float cannot hold is scaled down as a whole: the colour stays.
     let most = max(max(radiance.r, radiance.g), radiance.b);

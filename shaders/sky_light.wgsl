@@ -1,5 +1,5 @@
 // The light that falls on clouds from sky and ground: three texels, one workgroup each.
-// @use atmosphere
+// @use atmosphere sphere_grid
 
 @group(0) @binding(0) var<uniform> sky: Sky;
 @group(0) @binding(1) var transmittance: texture_2d<f32>;
@@ -21,9 +21,9 @@ var<workgroup> partial: array<vec3f, THREADS>;
 
 // Radiance from direction `i` of 256, spread over the hemisphere or the belt.
 fn radiance_from(i: u32, part: u32) -> vec3f {
-    let y = (f32(i / PLACES) + 0.5) / f32(RINGS);
-    let mu = select(mix(BELT_LOW, BELT_HIGH, y), sqrt(y), part == LIGHT_ABOVE);
-    let sine = sin(0.5 * PI * (f32(i % PLACES) + 0.5) / f32(PLACES));
+    let y = middle_of(i / PLACES, RINGS);
+    let mu = select(mix(BELT_LOW, BELT_HIGH, y), weighted_cosine(y), part == LIGHT_ABOVE);
+    let sine = half_circle_sine(i % PLACES, PLACES);
     let altitude = max(sky.light_altitude, 0.0);
     let ray = sky_view_ray(altitude, mu, sine, sky.to_sun.y);
     let ground = mu < horizon_mu(sky.atmosphere, altitude);
@@ -49,7 +49,7 @@ fn radiance_from(i: u32, part: u32) -> vec3f {
         }
         if part == LIGHT_GROUND {
             let irradiance = ground_irradiance(ground_table, linear_sampler, sky.to_sun.y);
-            mean = sky.atmosphere.ground_albedo / PI * irradiance;
+            mean = matt_radiance(sky.atmosphere.ground_albedo, irradiance);
         }
         textureStore(result, vec2u(part, 0u), light_texel(sky.irradiance * mean));
     }

@@ -1,7 +1,7 @@
 // How well the light of sky, horizon and ground reaches each voxel of a cloud: optical
 // depth up, down, and that which conducts as the sides do on average. The light is diffuse,
 // so the noise is left out. One thread a voxel.
-// @use eddington light_box medium
+// @use column eddington light_box medium
 
 @group(0) @binding(0) var<uniform> box: LightBox;
 // Lists of what is in each brick.
@@ -24,9 +24,8 @@ fn extinction_at(p: vec3f, blur: f32) -> f32 {
 fn optical_depth_along(p: vec3f, direction: vec3f, reach: f32, blur: f32) -> f32 {
     var sum = 0.0;
     for (var i = 0u; i < SAMPLES; i++) {
-        let near = f32(i * i) / f32(SAMPLES * SAMPLES);
-        let far = f32((i + 1u) * (i + 1u)) / f32(SAMPLES * SAMPLES);
-        sum += (far - near) * reach * extinction_at(p + 0.5 * (near + far) * reach * direction, blur);
+        let ends = square_step(i, SAMPLES);
+        sum += (ends.y - ends.x) * reach * extinction_at(p + 0.5 * (ends.x + ends.y) * reach * direction, blur);
     }
     return sum;
 }
@@ -46,8 +45,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let aside = 0.5 * max(length(box.edge_u), length(box.edge_v));
     var sides = 0.0;
     for (var i = 0u; i < SIDES; i++) {
-        let angle = 6.2831853 * f32(i) / f32(SIDES);
-        let depth = optical_depth_along(p, vec3f(cos(angle), 0.0, sin(angle)), aside, blur);
+        let depth = optical_depth_along(p, level_direction(i, SIDES), aside, blur);
         sides += diffuse_conductance(g, depth) / f32(SIDES);
     }
     let beside = diffuse_depth(g, sides);

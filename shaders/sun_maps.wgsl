@@ -4,7 +4,7 @@
 // ellipsoids at hand. The map is multiplied by coverage, so that plain
 // averages of it weight by coverage. A sample asks only the ellipsoids that reach into its brick
 // of voxels, however many there are.
-// @use light_box medium
+// @use column light_box medium
 
 @group(0) @binding(0) var<uniform> box: LightBox;
 // Lists of what is in each brick, then of the ellipsoids of other clouds in each brick, then of those
@@ -81,9 +81,9 @@ fn shadow_of_others(top: vec3f) -> f32 {
     var optical_depth = 0.0;
     for (var i = 0u; i < hit_count && optical_depth < DARK; i++) {
         let chord = ellipsoid_chord(others[hits[i]], top, box.along, 1.0);
-        let step = (min(chord.y, 0.0) - chord.x) / f32(SAMPLES_BEFORE);
+        let step = chord_step(chord, 0.0, SAMPLES_BEFORE);
         for (var j = 0u; j < SAMPLES_BEFORE; j++) {
-            let p = top + (chord.x + (f32(j) + 0.5) * step) * box.along;
+            let p = top + chord_middle(chord, step, j) * box.along;
             let noise = noise_here(p);
             var densest = Densest(0.0, 0u);
             for (var k = 0u; k < hit_count; k++) {
@@ -143,7 +143,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
                 let thickness = step * extinction_at(light_box_point(box, vec3f(uv, w)), own, other, blur);
                 if MAPPED {
-                    front += exp(shadow - optical_depth) * (1.0 - exp(-thickness)) * w;
+                    front += column_seen(optical_depth - shadow, thickness) * w;
                     back = select(back, w, thickness > 0.0);
                 }
                 optical_depth += thickness;
@@ -153,8 +153,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         textureStore(volume, vec3u(id.xy, z), vec4f(min(vec2f(middle, shadow), vec2f(MOST)), 0.0, 0.0));
     }
     if MAPPED {
-        let coverage = 1.0 - exp(shadow - optical_depth);
-        let total = coverage * min(optical_depth - shadow, MOST);
-        textureStore(depths, id.xy, vec4f(front, coverage * back, total, coverage));
+        textureStore(depths, id.xy, column_map(front, back, optical_depth - shadow, MOST));
     }
 }

@@ -6,29 +6,10 @@
 @group(0) @binding(1) var depths: texture_2d<f32>;
 @group(0) @binding(2) var normals: texture_storage_2d<rgba16float, write>;
 
-// Steeper slopes are cut: light that grazes a rough surface does not care for its every
-// bump, and each would draw a streak along the light.
-const STEEPEST: f32 = 1.5;
-
-struct Surface {
-    depth: f32,
-    coverage: f32,
-}
-
 fn surface_at(texel: vec2i) -> Surface {
     let last = vec2i(textureDimensions(depths)) - 1;
     let map = textureLoad(depths, clamp(texel, vec2i(0), last), 0);
     return Surface(box.length * map.x / max(map.w, 1e-4), map.w);
-}
-
-// Rise of the depth per metre across, from the sides that are covered; where none is,
-// this is a rim, which falls away on both sides.
-fn slope(before: Surface, here: Surface, after: Surface, texel: f32) -> f32 {
-    let backward = min(before.coverage, here.coverage) * (here.depth - before.depth);
-    let forward = min(here.coverage, after.coverage) * (after.depth - here.depth);
-    let weight = min(before.coverage, here.coverage) + min(here.coverage, after.coverage);
-    let rise = (backward + forward) / (max(weight, 1e-4) * texel);
-    return clamp(rise, -STEEPEST, STEEPEST);
 }
 
 @compute @workgroup_size(8, 8)
@@ -41,8 +22,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let here = surface_at(texel);
     let texel_u = length(box.edge_u) / f32(size.x);
     let texel_v = length(box.edge_v) / f32(size.y);
-    let slope_u = slope(surface_at(texel - vec2i(1, 0)), here, surface_at(texel + vec2i(1, 0)), texel_u);
-    let slope_v = slope(surface_at(texel - vec2i(0, 1)), here, surface_at(texel + vec2i(0, 1)), texel_v);
+    let slope_u = covered_slope(surface_at(texel - vec2i(1, 0)), here, surface_at(texel + vec2i(1, 0)), texel_u);
+    let slope_v = covered_slope(surface_at(texel - vec2i(0, 1)), here, surface_at(texel + vec2i(0, 1)), texel_v);
     let normal = light_box_normal(box, slope_u, slope_v);
     textureStore(normals, id.xy, vec4f(here.coverage * normal, here.coverage));
 }

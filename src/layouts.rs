@@ -95,7 +95,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "moments_sweep",
             "Field",
-            layout!(FieldUniform: low, directions, cell, lights, size, ahead, scattering, beam),
+            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam),
         ),
         (
             "depth_bake",

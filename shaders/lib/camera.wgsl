@@ -50,6 +50,14 @@ fn pixel_ndc(camera: Camera, pixel: vec2f) -> vec2f {
     return vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y);
 }
 
+// Distance along a ray in this direction of what has this value in a depth buffer: `scale` is what the
+// caller's projection does, for a perspective distance = x / (y + z depth) along the view axis.
+fn depth_distance(camera: Camera, scale: vec4f, depth: f32, direction: vec3f) -> f32 {
+    let d = scale;
+    let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
+    return axial / max(dot(direction, normalize(camera.forward)), 1e-6);
+}
+
 // Width in metres of what a pixel sees at distance `t`.
 fn pixel_footprint(camera: Camera, t: f32) -> f32 {
     return select(camera.pixel * t, camera.pixel, camera.projection == ORTHOGRAPHIC);

@@ -1,6 +1,6 @@
 // A sparse volume of depths below a cloud's boundary: bricks of voxels along the boundary, in an atlas
 // that an index points into; the rest is empty or homogeneous.
-// @use density
+// @use density ray_box
 
 struct DepthVolume {
     // Least corner in the cloud's frame, m.
@@ -61,8 +61,42 @@ fn depth_edge(volume: DepthVolume, texel: vec4f) -> Edge {
 // `brick` that tells others to be `far` bricks away.
 fn depth_clear(volume: DepthVolume, place: vec3f, brick: vec3f, far: u32, direction: vec3f) -> f32 {
     let others = vec3f(max(f32(far), 1.0));
-    let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+    let steady = steady_direction(direction);
     let walls = select(brick + 1.0 - others, brick + others, steady > vec3f(0.0));
     let ways = (walls - place) / steady;
     return volume.brick * max(min(ways.x, min(ways.y, ways.z)), 0.0);
+}
+
+// Thickness of the boundary that steps go by, m: less where the noise, whose largest features are
+// 1 / `frequency`, moves it by more than their size, for then there is more than one edge in it.
+fn depth_boundary(volume: DepthVolume, frequency: f32) -> f32 {
+    return volume.boundary / max(1.0, volume.boundary * frequency);
+}
+
+// A point among the bricks: its brick, and what the index tells of that.
+struct DepthPlace {
+    place: vec3f,
+    brick: vec3f,
+    entry: u32,
+}
+
+// What is at a place where the index alone or the depth of a `texel` tells: nothing, or the homogeneous
+// core. Else its extinction is negative. `clear` goes along a direction.
+fn depth_certain(volume: DepthVolume, at: DepthPlace, texel: vec4f, direction: vec3f) -> Matter {
+    let kind = depth_kind(at.entry);
+    if kind == DEPTH_CORE {
+        return Matter(volume.core, 1e4, volume.brick, 0.0, 0u);
+    }
+    if kind == DEPTH_EMPTY {
+        let clear = depth_clear(volume, at.place, at.brick, depth_number(at.entry), direction);
+        return Matter(0.0, -volume.brick, 0.0, clear, 0u);
+    }
+    return Matter(select(-1.0, 0.0, texel.x <= 0.0), texel.x, 0.0, max(-texel.x, 0.0), 0u);
+}
+
+// Which way a cloud faces against the `slope` of its depth, at this depth: a unit vector at the
+// boundary, and less inside.
+fn depth_facing(volume: DepthVolume, slope: vec3f, depth: f32) -> vec3f {
+    let deep = 1.0 - saturate(max(depth, 0.0) / (4.0 * volume.brick));
+    return -deep * slope / max(length(slope), 1e-6);
 }

@@ -38,6 +38,26 @@ fn diffuse_depth(g: f32, conductance: f32) -> f32 {
     return max(1.0 / conductance - 2.0 / 3.0, 0.0) / max(1.0 - g, 1e-3);
 }
 
+// The same up, to the four sides together, and down, where the optical depths are up, down and aside.
+fn diffuse_conductances(g: f32, depths: vec3f) -> vec3f {
+    return vec3f(diffuse_conductance(g, depths.x), 4.0 * diffuse_conductance(g, depths.z), diffuse_conductance(g, depths.y));
+}
+
+// Weights of sky, horizon and ground in the source of their diffuse light; they sum to 1.
+fn diffuse_shares(conductances: vec3f) -> vec3f {
+    return conductances / (conductances.x + conductances.y + conductances.z);
+}
+
+// What absorption leaves of diffuse light, by the smaller of the optical depths up and down.
+fn diffuse_absorbed(albedo: f32, g: f32, conductances: vec3f) -> f32 {
+    return absorbed(albedo, g, diffuse_depth(g, max(conductances.x, conductances.z)));
+}
+
+// Transport mean free path: over it light forgets its direction.
+fn transport_length(g: f32, mean_free_path: f32) -> f32 {
+    return mean_free_path / (1.0 - g);
+}
+
 // What leaves a slab by its two faces, of all that leaves a cloud with six: the slab has
 // no sides, the cloud has. `faces` and `sides` are conductances from a point. The share of
 // the sides that counts is fitted to path traced pictures of humilis, mediocris, congestus

@@ -63,3 +63,17 @@ fn ellipsoid_chord(e: Ellipsoid, origin: vec3f, direction: vec3f, scale: f32) ->
     let half = sqrt(left / speed);
     return vec2f(middle - half, middle + half);
 }
+
+// How an ellipsoid turns the facing of a cloud at a point of it: its normal, more so farther out, and a
+// weight, less so farther out, so that there is no seam where it ends.
+fn ellipsoid_facing(e: Ellipsoid, u: vec3f) -> vec4f {
+    let weight = max(1.0 - dot(u, u), 0.0);
+    return vec4f(weight * dot(u, u) * ellipsoid_normal(e, u), weight);
+}
+
+// Thickness of the boundary that steps go by, m, where the largest features of the noise are
+// 1 / `frequency`. No boundary is thicker than its ellipsoid: there the core is less than nothing.
+fn ellipsoid_boundary(e: Ellipsoid, frequency: f32) -> f32 {
+    let edges = max(1.0, e.displacement * frequency);
+    return (e.displacement + e.rise) / (max(1.0, 1.0 - e.core) * edges);
+}

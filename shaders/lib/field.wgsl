@@ -1,4 +1,5 @@
 // The grid on which light is solved for: a box around a cloud along the axes of its frame.
+// @use attenuation
 
 struct Field {
     // Least corner in the cloud's frame, m.
@@ -11,8 +12,9 @@ struct Field {
     lights: u32,
     // Cells along each axis.
     size: vec3u,
-    // Share of the extinction (without the forward peak) that is taken as not scattered.
-    ahead: f32,
+    // Share of the extinction (without the forward peak) that is truncated once more: taken as not
+    // scattered, for the field's few degrees hold nothing narrower.
+    truncated: f32,
     // What of each degree 0 to 3 is scattered, per unit of the extinction that is left.
     scattering: vec4f,
     // The sun's beam: the direction of its light, and 1 where this light is the sun's.
@@ -37,6 +39,42 @@ fn field_index(field: Field, at: vec3u) -> u32 {
 fn field_place(field: Field, index: u32) -> vec3u {
     let row = index / field.size.x;
     return vec3u(index % field.size.x, row % field.size.y, row / field.size.y);
+}
+
+// Coordinates in the box, from 0 to 1, of a point; `scale` is 1 over the box's extent.
+fn field_inside(low: vec3f, scale: vec3f, p: vec3f) -> vec3f {
+    return (p - low) * scale;
+}
+
+// Where the middle of a cell is among the middles of the cells of another field of the same box.
+fn field_within(field: Field, other: Field, index: u32) -> vec3f {
+    return (vec3f(field_place(field, index)) + 0.5) * vec3f(other.size) / vec3f(field.size) - 0.5;
+}
+
+// The `i`th of eight points of a cell.
+fn field_sample(field: Field, index: u32, i: u32) -> vec3f {
+    let corner = field.low + vec3f(field_place(field, index)) * field.cell;
+    return corner + (0.25 + 0.5 * vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u))) * field.cell;
+}
+
+// What an optical depth to the sun, without the forward peak, leaves of the beam.
+fn field_beam(field: Field, depth: f32) -> f32 {
+    return exp(-(1.0 - field.truncated) * depth);
+}
+
+// Mean length along the beam through a cell: its volume over its face across the light.
+fn field_length(field: Field) -> f32 {
+    let d = abs(field.beam.xyz);
+    return 1.0 / max(d.x / field.cell.x + d.y / field.cell.y + d.z / field.cell.z, 1e-12);
+}
+
+// A cell from sums over eight points: of the extinction without the forward peak, of that times what
+// reaches it of the beam, and of the latter alone. No more light is scattered in a cell than comes in by
+// its face. Eight points of a thick cell may see too much of it.
+fn field_cell(field: Field, extinction: f32, lit: f32, open: f32) -> FieldCell {
+    let mean = 0.125 * (1.0 - field.truncated) * extinction;
+    let most = mean_through(field_length(field) * mean);
+    return FieldCell(mean, select(0.125 * open, min(lit / extinction, most), extinction > 0.0));
 }
 
 // Where a texture that stacks `blocks` fields along z has block `block` of a point, whose

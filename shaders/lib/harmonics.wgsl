@@ -25,3 +25,26 @@ fn harmonics_cubic(d: vec3f) -> vec4f {
     return vec4f(0.37317633 * d.z * (5.0 * z - 3.0), 0.45704580 * d.x * (5.0 * z - 1.0),
         1.4453057 * d.z * (x - y), 0.59004359 * d.x * (x - 3.0 * y));
 }
+
+// Moments of degree 0 to 3 grown by those of light from a direction.
+fn harmonics_with(sum: array<vec4f, 4>, light: f32, d: vec3f) -> array<vec4f, 4> {
+    return array<vec4f, 4>(sum[0] + light * harmonics_low(d), sum[1] + light * harmonics_square(d),
+        sum[2] + light * harmonics_mixed(d), sum[3] + light * harmonics_cubic(d));
+}
+
+// Moments of what is scattered of that of each degree this share of `degrees` is.
+fn harmonics_scattered(moments: array<vec4f, 4>, degrees: vec4f) -> array<vec4f, 4> {
+    return array<vec4f, 4>(degrees.xyyy * moments[0], degrees.zzzz * moments[1],
+        degrees.zwww * moments[2], degrees.wwww * moments[3]);
+}
+
+// The light towards a direction that has these moments.
+fn harmonics_sum(moments: array<vec4f, 4>, d: vec3f) -> f32 {
+    return dot(moments[0], harmonics_low(d)) + dot(moments[1], harmonics_square(d))
+        + dot(moments[2], harmonics_mixed(d)) + dot(moments[3], harmonics_cubic(d));
+}
+
+// The same from those of degree 0 and 1 alone.
+fn harmonics_low_sum(moments: vec4f, d: vec3f) -> f32 {
+    return dot(moments, harmonics_low(d));
+}

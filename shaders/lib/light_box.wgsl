@@ -51,6 +51,26 @@ fn light_box_point(box: LightBox, uvw: vec3f) -> vec3f {
     return box.corner + uvw.x * box.edge_u + uvw.y * box.edge_v + uvw.z * box.length * box.along;
 }
 
+// Steeper slopes are cut: light that grazes a rough surface does not care for its every
+// bump, and each would draw a streak along the light.
+const STEEPEST: f32 = 1.5;
+
+// The lit surface in a column.
+struct Surface {
+    depth: f32,
+    coverage: f32,
+}
+
+// Rise of the depth per metre across, from the sides that are covered; where none is,
+// this is a rim, which falls away on both sides.
+fn covered_slope(before: Surface, here: Surface, after: Surface, texel: f32) -> f32 {
+    let backward = min(before.coverage, here.coverage) * (here.depth - before.depth);
+    let forward = min(here.coverage, after.coverage) * (after.depth - here.depth);
+    let weight = min(before.coverage, here.coverage) + min(here.coverage, after.coverage);
+    let rise = (backward + forward) / (max(weight, 1e-4) * texel);
+    return clamp(rise, -STEEPEST, STEEPEST);
+}
+
 // Normal, against the light, of a surface whose depth along the columns grows by `slope_u`
 // and `slope_v` metres per metre across.
 fn light_box_normal(box: LightBox, slope_u: f32, slope_v: f32) -> vec3f {

@@ -1,5 +1,5 @@
 // What the march tells a model of light about a ray, and what the model answers.
-// @use region species
+// @use constants region species
 
 // The ray at hand.
 struct LightRay {
@@ -62,4 +62,21 @@ struct RayLight {
 
 fn light_ray_at(ray: LightRay, t: f32) -> vec3f {
     return ray.origin + t * ray.direction;
+}
+
+// The light of a cloud that glows by itself, of which this much is opaque: as much as the mean over all
+// directions of the light outside, of which horizon and sky are taken as one.
+fn emitted(species: Species, opacity: f32, lights: Lights) -> vec3f {
+    let emission = lights.sun / (4.0 * PI) + 0.5 * (lights.sky + lights.ground);
+    return whole_albedo(species) * opacity * emission;
+}
+
+// Light of sky, horizon and ground by their weights.
+fn weighted_lights(weights: vec3f, lights: Lights) -> vec3f {
+    return weights.x * lights.sky + weights.y * lights.horizon + weights.z * lights.ground;
+}
+
+// Light scattered once more: of sunlight, per unit of irradiance, and of diffuse light.
+fn scattered_again(species: Species, irradiance: vec3f, source: vec3f, diffuse: vec3f) -> vec3f {
+    return species.albedo * (irradiance * source + diffuse);
 }

@@ -4,7 +4,7 @@
 // whose asymmetry is c^i of the first's, through a^i of the optical depth from the sun.
 // a = b = c = OCTAVE, and three octaves. The first is single scattering itself, found with
 // the droplets' own phase function; here are the other two, Henyey-Greenstein's.
-// @use constants phase
+// @use constants phase species
 
 const OCTAVE: f32 = 0.5;
 
@@ -25,4 +25,10 @@ fn octave_transmittances(optical_depth: f32, before: f32, after: f32) -> vec2f {
     let second = sunlight_share(optical_depth, OCTAVE * before, OCTAVE * after);
     let third = sunlight_share(optical_depth, OCTAVE * OCTAVE * before, OCTAVE * OCTAVE * after);
     return vec2f(second, third);
+}
+
+// Light of the second and third octave per unit of irradiance, of what is gathered of them without their
+// phase functions.
+fn octave_light(species: Species, octaves: vec2f, cosine: f32) -> f32 {
+    return species.albedo * dot(octaves, octave_phases(species.asymmetry, cosine));
 }

@@ -29,10 +29,10 @@ fn sunlight_share(optical_depth: f32, before: f32, after: f32) -> f32 {
     return mean_transmittance(before, optical_depth + after) / mean_through(optical_depth);
 }
 
-// Share of the light that was scattered only within the removed forward peak, over an
-// optical depth: e^{-(1 - chop) tau} - e^{-tau}, the corrected [K 3.66], as a product; to
+// Share of the light that was scattered only within the truncated forward peak, which has the share
+// f = `truncated` of the extinction, over an optical depth: e^{-(1 - f) tau} - e^{-tau}, the corrected [K 3.66], as a product; to
 // be multiplied by the peak's shape P_peak / f.
-fn recovered_peak(optical_depth: f32, chop: f32) -> f32 {
-    let peak = chop * optical_depth;
+fn recovered_peak(optical_depth: f32, truncated: f32) -> f32 {
+    let peak = truncated * optical_depth;
     return exp(peak - optical_depth) * peak * mean_through(peak);
 }

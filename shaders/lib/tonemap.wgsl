@@ -33,3 +33,9 @@ fn srgb_encode(linear: vec3f) -> vec3f {
     let high = 1.055 * pow(max(linear, vec3f(1e-8)), vec3f(1.0 / 2.4)) - 0.055;
     return select(high, low, linear <= vec3f(0.0031308));
 }
+
+// Share of the way through the colours of a heat map that ends at `range`. Logarithmic: a step from 1 to 2
+// counts as much as one from 100 to 200.
+fn heat_share(value: f32, range: f32) -> f32 {
+    return saturate(log2(1.0 + max(value, 0.0)) / log2(1.0 + range));
+}

@@ -9,9 +9,8 @@ fn multiple_source(ray: LightRay, p: vec3f, depth: f32, shadow: f32) -> vec3f {
     let uv = light_box_coordinate(light.sun, p).xy;
     let facing = lit_facing(ray, p);
     count(MAP_READS, 1u);
-    let open = openness_at(g, p);
-    let fit = fitted_slab(uv, light.mean_free_path / (1.0 - g), facing, depth);
-    let kept = kept_by_sides(g, fit, depth, open);
-    let slab = kept * eddington_beam(g, fit.mu0, fit.mu0 * depth, fit.mu0 * fit.thickness, dot(ray.direction, fit.normal));
+    let conductances = conductances_at(g, p);
+    let fit = fitted_slab(uv, transport_length(g, light.mean_free_path), facing, depth);
+    let slab = non_leakage(g, fit, depth, conductances) * slab_eddington(g, fit, depth, ray.direction);
     return absorbed_source(ray.species, vec3f(shadowed_source(ray.species, slab, shadow)), depth);
 }

@@ -1,7 +1,7 @@
 // Max's emitter (1994, after Sabella 1988): a cloud glows by itself and dims what is behind. An
 // opaque one has the radiance that is the mean over all directions of the light of sun, sky and
 // ground that falls on it. No shadows, no phase function.
-// @use constants flags lighting
+// @use flags lighting
 
 struct LightSum {
     nothing: f32,
@@ -36,7 +36,9 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    let mean = lights.sun / (4.0 * PI);
-    let emission = select(mean, mean + 0.5 * (lights.sky + lights.ground), SKY_LIGHT);
-    return RayLight(vec3f(0.0), whole_albedo(ray.species) * seen.opacity * emission);
+    var outside = lights;
+    if !SKY_LIGHT {
+        outside = Lights(lights.sun, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    }
+    return RayLight(vec3f(0.0), emitted(ray.species, seen.opacity, outside));
 }

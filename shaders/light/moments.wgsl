@@ -27,7 +27,7 @@ fn light_piece(sum: LightSum, piece: LitPiece) -> LightSum {
 }
 
 fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
-    let inside = (light_ray_at(ray, node.t) - light.field_low) * light.field_scale;
+    let inside = field_inside(light.field_low, light.field_scale, light_ray_at(ray, node.t));
     var diffuse = sum.diffuse;
     let multiple = sum.multiple + node.seen * source_of_sun(ray, inside, node.depth.x);
     if SKY_LIGHT {
@@ -40,7 +40,7 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
     count(MAP_READS, 2u);
     let after = -ray.direction;
-    let solved = dot(textureSampleLevel(sun_field, linear, inside, 0.0), harmonics_low(after));
+    let solved = harmonics_low_sum(textureSampleLevel(sun_field, linear, inside, 0.0), after);
     let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(depth));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));
@@ -50,16 +50,15 @@ fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
 fn source_of_sky(ray: LightRay, inside: vec3f) -> vec3f {
     count(MAP_READS, 3u);
     let layers = f32(textureDimensions(sky_field).z);
-    let harmonics = harmonics_low(-ray.direction);
     var source = vec3f(0.0);
     for (var i = 0u; i < 3u; i++) {
         let at = field_coordinate(inside, layers, i, 3u);
-        source[i] = dot(textureSampleLevel(sky_field, linear, at, 0.0), harmonics);
+        source[i] = harmonics_low_sum(textureSampleLevel(sky_field, linear, at, 0.0), -ray.direction);
     }
     return max(source, vec3f(0.0));
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    let multiple = ray.species.albedo * (lights.sun * (sum.multiple * seen.share) + sum.diffuse * seen.share);
+    let multiple = scattered_again(ray.species, lights.sun, sum.multiple * seen.share, sum.diffuse * seen.share);
     return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple);
 }

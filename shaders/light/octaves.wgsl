@@ -1,4 +1,4 @@
-// Single scattering, and two octaves of it for sunlight scattered more often (`lib/octaves`).
+// Single scattering, and two octaves of it for sunlight scattered more often (`lib/octave`).
 // @use octave openness
 
 struct LightSum {
@@ -26,9 +26,7 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    let albedo = ray.species.albedo;
-    let phases = octave_phases(ray.species.asymmetry, dot(ray.direction, ray.to_sun));
-    let multiple = albedo * diffuse_light(sum.diffuse, seen, lights)
-        + albedo * dot(sum.octaves * seen.share, phases) * lights.sun;
+    let octaves = octave_light(ray.species, sum.octaves * seen.share, dot(ray.direction, ray.to_sun));
+    let multiple = ray.species.albedo * diffuse_light(sum.diffuse, seen, lights) + octaves * lights.sun;
     return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple);
 }

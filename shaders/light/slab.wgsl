@@ -12,31 +12,29 @@ fn multiple_source(ray: LightRay, p: vec3f, depth: f32, shadow: f32) -> vec3f {
     let uv = light_box_coordinate(light.sun, p).xy;
     let facing = lit_facing(ray, p);
     count(MAP_READS, 2u);
-    let open = openness_at(ray.species.asymmetry, p);
-    let sets = slab_sets(ray, uv, facing, depth, open);
+    let conductances = conductances_at(ray.species.asymmetry, p);
+    let sets = slab_sets(ray, uv, facing, depth, conductances);
     let at = vec2f(phase_coordinate(-ray.to_sun, -ray.direction), slab_path_coordinate(depth + shadow));
     let source = vec3f(shadowed_source(ray.species, sets, shadow)) + textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return absorbed_source(ray.species, source, depth);
 }
 
 // The sets of orders of scattering, each from the slab that fits the cloud over its spread.
-fn slab_sets(ray: LightRay, uv: vec2f, facing: vec3f, depth: f32, open: vec3f) -> f32 {
+fn slab_sets(ray: LightRay, uv: vec2f, facing: vec3f, depth: f32, conductances: vec3f) -> f32 {
     let similarity = ray.species.similarity;
     var source = 0.0;
     var thickness = depth;
     for (var orders = 0u; orders < SLAB_SETS; orders++) {
-        let spread = slab_spread(orders, similarity * thickness, similarity * depth) / similarity;
+        let spread = slab_set_spread(orders, similarity, thickness, depth);
         let fit = fitted_slab(uv, spread * light.mean_free_path, facing, depth);
         thickness = fit.thickness;
-        let mu = dot(ray.direction, fit.normal);
-        let x = dot(ray.direction, ray.to_sun) - mu * fit.mu0;
+        let view = slab_products(fit, ray.direction, ray.to_sun);
         let scale = similarity * fit.mu0;
         count(MAP_READS, 2u);
         let light_of_set = slab_source(slab_table, linear, orders, scale * fit.thickness, scale * depth,
-            fit.mu0, mu, x, ray.species.degrees);
-        // The light has wandered deeper than where it is now.
-        let wandered = min(depth + 0.5 * spread, max(depth, 0.5 * fit.thickness));
-        source += light_of_set * kept_by_sides(ray.species.asymmetry, fit, wandered, open);
+            fit.mu0, view.x, view.y, ray.species.degrees);
+        let wandered = slab_wandered(depth, spread, fit.thickness);
+        source += light_of_set * non_leakage(ray.species.asymmetry, fit, wandered, conductances);
     }
     return source;
 }

@@ -37,6 +37,6 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
     let source = slab_radiance(light_ray_at(ray, sum.surface.t), ray);
-    let multiple = vec3f(sum.gathered * exp(-sum.surface.depth.y) * source);
+    let multiple = vec3f(slab_surface_light(sum.gathered, sum.surface.depth.y, source));
     return slab_ray(SlabSum(sum.slab.sun, multiple, sum.slab.diffuse), ray, seen, lights);
 }

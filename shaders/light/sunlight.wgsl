@@ -1,6 +1,6 @@
 // Sunlight scattered once, from the volume of optical depth to the sun: what all models share that
 // have shadows.
-// @use attenuation counts flags light_box lighting phase
+// @use counts flags light_box lighting phase sun_sum
 
 // Where the light of a cloud was prepared.
 struct Light {
@@ -20,37 +20,18 @@ struct Light {
 @group(2) @binding(2) var phase_table: texture_2d<f32>;
 @group(2) @binding(3) var sun_volume: texture_3d<f32>;
 
-// Phase functions from the sun into a ray, 1/sr: without the peak, and the peak's alone.
-struct SunPhase {
-    wide: vec3f,
-    peak: vec3f,
-}
-
 fn sun_phase(ray: LightRay) -> SunPhase {
     let u = phase_coordinate(-ray.to_sun, -ray.direction);
     return SunPhase(textureSampleLevel(phase_table, linear, vec2f(u, 0.25), 0.0).rgb,
         textureSampleLevel(phase_table, linear, vec2f(u, 0.75), 0.0).rgb);
 }
 
-// Sunlight gathered along a ray, per unit of irradiance.
-struct SunSum {
-    // Scattered once, without the phase function.
-    single: f32,
-    // What other clouds let through to what is seen.
-    lit: f32,
-}
-
-fn sun_piece(sum: SunSum, piece: LitPiece) -> SunSum {
-    return SunSum(sum.single + piece.seen * sunlight_share(piece.optical_depth, piece.before.x, piece.after.x),
-        sum.lit + piece.seen * mean_transmittance(piece.before.y, piece.after.y));
-}
-
 // What a ray sees of sunlight scattered once, with the peak's recovered.
 fn sun_single(sum: SunSum, ray: LightRay, seen: RaySeen, irradiance: vec3f) -> vec3f {
     let phase = sun_phase(ray);
-    var single = phase.wide * (sum.single * seen.share);
+    var single = sun_scattered(sum, phase, seen);
     if PEAK {
-        single += phase.peak * recovered_peak(seen.optical_depth, ray.species.truncated) * (sum.lit * seen.share) / seen.opacity;
+        single += sun_recovered(sum, phase, ray.species.truncated, seen);
     }
     return single * irradiance;
 }

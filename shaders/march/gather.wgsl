@@ -1,6 +1,6 @@
 // What is seen along a ray, gathered in pieces that are lit at once and at nodes, where light is that
 // changes slowly.
-// @use lighting
+// @use lighting ray_seen
 
 // Whether facing is gathered instead of light.
 override NORMALS: bool = false;
@@ -24,18 +24,6 @@ struct March {
 const MOST_NODES: u32 = 8u;
 var<private> nodes: array<Node, MOST_NODES>;
 
-// A piece of a ray under way.
-struct Piece {
-    end: f32,
-    // Optical depth to the sun where it begins, and the part of it that is other clouds' shadow.
-    sun: vec2f,
-    // Its own optical depth, without the peak.
-    optical_depth: f32,
-    // What is seen of it, and the sum of distances, m, weighted by what is seen.
-    seen: f32,
-    distance: f32,
-}
-
 // Lights a piece; `after` is the optical depth to the sun where it ends.
 fn add_light(m: ptr<function, March>, ray: LightRay, piece: Piece, after: vec2f) {
     let seen = piece.seen;
@@ -55,8 +43,8 @@ fn add_light(m: ptr<function, March>, ray: LightRay, piece: Piece, after: vec2f)
 
 // Nodes share the opacity of the ray evenly; each lies where half of its share is gathered.
 fn add_node(t: f32, depth: vec2f, gathered: f32, seen: f32) {
-    let node = min(u32((gathered + 0.5 * seen) * f32(LIGHT_NODES)), LIGHT_NODES - 1u);
-    if nodes[node].seen == 0.0 || gathered * f32(LIGHT_NODES) < f32(node) + 0.5 {
+    let node = node_of(gathered, seen, LIGHT_NODES);
+    if nodes[node].seen == 0.0 || node_begins(gathered, node, LIGHT_NODES) {
         nodes[node].t = t;
         nodes[node].depth = depth;
     }

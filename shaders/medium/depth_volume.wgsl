@@ -1,6 +1,6 @@
 // The medium as a sparse volume of depths below the cloud's boundary, baked once a shape
 // (`depth_bake`), with the same noise on top: one read of it takes the place of asking each ellipsoid.
-// @use counts density depth_volume noise region species
+// @use counts density depth_volume noise ray_box region species
 
 @group(1) @binding(0) var<uniform> volume_frame: DepthVolume;
 @group(1) @binding(1) var<storage, read> species: array<Species>;
@@ -19,13 +19,6 @@ fn medium_noise(p: vec3f, footprint: f32) -> vec2f {
     return noise_at(noise_volume, repeat, noise_frame, p, footprint);
 }
 
-// A point among the bricks: its brick, and what the index tells of that.
-struct DepthPlace {
-    place: vec3f,
-    brick: vec3f,
-    entry: u32,
-}
-
 fn depth_place(p: vec3f) -> DepthPlace {
     let place = (p - volume_frame.low) / volume_frame.brick;
     let brick = floor(place);
@@ -40,24 +33,10 @@ fn depth_texel(at: DepthPlace) -> vec4f {
     return textureSampleLevel(depth_atlas, depth_sampler, coordinate, 0.0);
 }
 
-// What is at a place where the index alone or the depth tells: nothing, or the homogeneous core. Else
-// its extinction is negative. `clear` goes along a direction.
-fn certain_at(at: DepthPlace, texel: vec4f, direction: vec3f) -> Matter {
-    let kind = depth_kind(at.entry);
-    if kind == DEPTH_CORE {
-        return Matter(volume_frame.core, 1e4, volume_frame.brick, 0.0, 0u);
-    }
-    if kind == DEPTH_EMPTY {
-        let clear = depth_clear(volume_frame, at.place, at.brick, depth_number(at.entry), direction);
-        return Matter(0.0, -volume_frame.brick, 0.0, clear, 0u);
-    }
-    return Matter(select(-1.0, 0.0, texel.x <= 0.0), texel.x, 0.0, max(-texel.x, 0.0), 0u);
-}
-
 fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
     let at = depth_place(p);
     let texel = depth_texel(at);
-    let certain = certain_at(at, texel, vec3f(0.0, 1.0, 0.0));
+    let certain = depth_certain(volume_frame, at, texel, vec3f(0.0, 1.0, 0.0));
     if certain.extinction >= 0.0 {
         return certain;
     }
@@ -68,7 +47,7 @@ fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
 fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
     let at = depth_place(p);
     let texel = depth_texel(at);
-    let certain = certain_at(at, texel, vec3f(0.0, 1.0, 0.0));
+    let certain = depth_certain(volume_frame, at, texel, vec3f(0.0, 1.0, 0.0));
     if certain.extinction >= 0.0 {
         return certain;
     }
@@ -80,7 +59,7 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
     count(VOLUME_READS, 2u);
     let at = depth_place(p);
     let texel = depth_texel(at);
-    let certain = certain_at(at, texel, direction);
+    let certain = depth_certain(volume_frame, at, texel, direction);
     if certain.extinction >= 0.0 {
         return certain;
     }
@@ -91,26 +70,16 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
 fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
 }
 
-// Thickness of the boundary that steps go by, m: less where the noise moves it by more than the noise's
-// own size, for then there is more than one edge in it.
-fn stepped_boundary() -> f32 {
-    return volume_frame.boundary / max(1.0, volume_frame.boundary * noise_frame.frequency);
-}
-
 // What lies ahead of `t` on the ray: all of the volume is one stretch, in which what is clear tells how
 // far it is so.
 fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stretch {
-    let steady = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-    let a = (volume_frame.low - origin) / steady;
-    let b = (volume_frame.low + volume_frame.brick * vec3f(volume_frame.size) - origin) / steady;
-    let near = min(a, b);
-    let far = max(a, b);
-    let enters = max(near.x, max(near.y, near.z));
-    let leaves = min(far.x, min(far.y, far.z));
-    if t >= leaves || enters >= leaves {
+    let high = volume_frame.low + volume_frame.brick * vec3f(volume_frame.size);
+    let span = box_span(volume_frame.low, high, origin, direction);
+    if t >= span.y || span.x >= span.y {
         return Stretch(1e30, false, 0.0, 0.0, 0u);
     }
-    return Stretch(select(leaves, enters, t < enters), t >= enters, 0.0, stepped_boundary(), 0u);
+    let boundary = depth_boundary(volume_frame, noise_frame.frequency);
+    return Stretch(select(span.y, span.x, t < span.x), t >= span.x, 0.0, boundary, 0u);
 }
 
 // Which way the cloud faces at a point, noise left out: against the slope of the depth. Unit length at
@@ -123,8 +92,7 @@ fn medium_facing(region: Region, p: vec3f) -> vec3f {
         way[i % 3u] = select(1.0, -1.0, i >= 3u);
         slope += way * baked_depth(p + h * way);
     }
-    let deep = 1.0 - saturate(max(baked_depth(p), 0.0) / (4.0 * volume_frame.brick));
-    return -deep * slope / max(length(slope), 1e-6);
+    return depth_facing(volume_frame, slope, baked_depth(p));
 }
 
 fn baked_depth(p: vec3f) -> f32 {

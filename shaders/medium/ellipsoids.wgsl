@@ -128,10 +128,8 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
                 core_species = select(core_species, e.species, e.extinction >= core);
                 core = max(core, e.extinction);
             } else {
-                // Only boundaries that the ray is in need short steps, and no boundary is thicker than
-                // its ellipsoid: there the core is less than nothing.
-                let edges = max(1.0, e.displacement * noise_frame.frequency);
-                boundary = min(boundary, (e.displacement + e.rise) / (max(1.0, 1.0 - e.core) * edges));
+                // Only boundaries that the ray is in need short steps.
+                boundary = min(boundary, ellipsoid_boundary(e, noise_frame.frequency));
                 exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
             }
         }
@@ -182,10 +180,9 @@ fn medium_facing(region: Region, p: vec3f) -> vec3f {
     var weights = 1e-6;
     for (var i = 0u; i < region.count; i++) {
         let e = ellipsoids[candidates[region.first + i]];
-        let u = ellipsoid_unit(e, p, 1.0);
-        let weight = max(1.0 - dot(u, u), 0.0);
-        sum += weight * dot(u, u) * ellipsoid_normal(e, u);
-        weights += weight;
+        let facing = ellipsoid_facing(e, ellipsoid_unit(e, p, 1.0));
+        sum += facing.xyz;
+        weights += facing.w;
     }
     return sum / weights;
 }

@@ -99,6 +99,7 @@ pub fn twins() -> Vec<Twin> {
     let mut all = media();
     all.extend(spheres());
     all.extend(steps());
+    all.extend(discs());
     all.into_iter().map(|twin| twin.declaring(EARTH)).collect()
 }
 
@@ -282,5 +283,68 @@ fn steps() -> Vec<Twin> {
             },
         )
         .over("all", |random| scalars([random.cosine(), random.between(0.0, 1.0), random.cosine()])),
+    ]
+}
+
+/// Where a pixel and the sun's disc overlap, a pixel on its rim being cut in two, and its light: without
+/// the darkening of the limb, even over a disc whose rim falls off over a pixel.
+fn disc(x: &Wide, channel: usize) -> f64 {
+    let [radius, pixel, off, irradiance] = x[0];
+    let sharp = 1.0 - pixel / (2.0 * radius);
+    let rim = (off / radius).min(sharp);
+    let exponent = [0.397f32, 0.503, 0.652].map(f64::from)[channel] * sharp / 2.0;
+    // The cosine of the angle to the surface, to twice the exponent.
+    let limb = (1.0 + exponent) * (1.0 - rim * rim).max(1e-6).powf(exponent);
+    // The integral of a rim that falls off evenly from radius - pixel / 2 to radius + pixel / 2.
+    let (inner, outer) = (radius - pixel / 2.0, radius + pixel / 2.0);
+    let solid_angle = PI / 3.0 * (inner * inner + inner * outer + outer * outer);
+    irradiance * limb / solid_angle
+}
+
+/// Radius of a disc of no less than half a pixel, the pixel, and a distance from the middle.
+fn on_disc(random: &mut Random) -> [f64; 4] {
+    let radius = random.log(1e-3, 0.1);
+    let pixel = radius * random.log(1e-3, 2.0);
+    [radius, pixel, random.between(0.0, 1.5) * radius, random.log(1e-3, 1e3)]
+}
+
+fn discs() -> Vec<Twin> {
+    vec![
+        Twin::new(
+            "share_above",
+            "sun_disc",
+            "return vec4f(share_above(earth, x[0].x, x[0].y, x[0].z));",
+            |x| {
+                // The zenith angle, over the sine of the horizon's.
+                let [h, mu, pixel, _] = x[0];
+                let angle = (mu - horizon_mu(h)) * (1.0 + h / GROUND);
+                one((0.5 + angle / pixel).clamp(0.0, 1.0))
+            },
+        )
+        .over("all", |random| {
+            let (h, mu) = inside(random);
+            scalars([h, mu, random.log(1e-4, 0.1)])
+        }),
+        Twin::new("disc_radius", "sun_disc", "return vec4f(disc_radius(x[0].x, x[0].y));", |x| {
+            // The chord of the radius.
+            let [radius, pixel, ..] = x[0];
+            one((2.0 - 2.0 * (1.0 - 2.0 * (radius / 2.0).sin().powi(2))).sqrt().max(pixel / 2.0))
+        })
+        .edges(plane(&[0.0, 0.004625, 0.1], &[0.0, 1e-3, 0.1]))
+        .over("all", |random| scalars([random.log(1e-4, 0.1), random.log(1e-4, 0.1)]))
+        // GPUs have sines within an amount, not within a share.
+        .beside(1e-2),
+        Twin::new("disc_share", "sun_disc", "return vec4f(disc_share(x[0].x, x[0].y, x[0].z));", |x| {
+            let [radius, pixel, off, _] = x[0];
+            one((0.5 + (radius - off) / pixel).clamp(0.0, 1.0))
+        })
+        .over("all", |random| input([on_disc(random)])),
+        Twin::new(
+            "disc_radiance",
+            "sun_disc",
+            "return vec4f(disc_radiance(x[0].www, x[0].x, x[0].y, x[0].z), 0.0);",
+            |x| three(DVec3::from([0, 1, 2].map(|channel| disc(x, channel)))),
+        )
+        .over("all", |random| input([on_disc(random)])),
     ]
 }

@@ -310,6 +310,32 @@ pub fn twins() -> Vec<Twin> {
         .over("within", within)
         .over("surface", surface),
         Twin::new(
+            "ellipsoid_facing",
+            "ellipsoid",
+            "return ellipsoid_facing(make(x), x[5].xyz);",
+            |x| {
+                let (u, normal) = (xyz(x[5]), (map(x).transpose() * xyz(x[5])).normalize());
+                let k = u.length_squared();
+                vector((1.0 - k).max(0.0) * k * normal, (1.0 - k).max(0.0))
+            },
+        )
+        .declaring(MAKE)
+        .edges(edges(true, OFF_CENTER))
+        .over("within", within),
+        Twin::new("ellipsoid_boundary", "ellipsoid", "return vec4f(ellipsoid_boundary(make(x), x[7].x));", |x| {
+            // No thicker than where the core would have a scale of 0, and a part of one of its edges.
+            let [displacement, rise, _, core] = x[4];
+            let whole = (displacement + rise) / if core < 0.0 { 1.0 - core } else { 1.0 };
+            one(whole / (displacement * x[7][0]).max(1.0))
+        })
+        .declaring(MAKE)
+        .over("all", |random| {
+            let mut x = within(random);
+            x[4][3] = random.between(-5.0, 1.0) as f32;
+            x[7][0] = random.log(1e-4, 1.0) as f32;
+            x
+        }),
+        Twin::new(
             "light_ray_at",
             "lighting",
             "return vec4f(light_ray_at(LightRay(x[0].xyz, x[1].xyz, vec3f(0.0), Region(), Species()), x[0].w), 0.0);",

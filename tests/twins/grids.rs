@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::harness::{Input, Random, Twin, Wide};
+use crate::harness::{Input, Output, Random, Twin, Wide};
 use crate::pack::{grid, input, line, one, plane, scalars, three, two, vector, xyz};
 
 /// PCG RXS-M-XS with 32 bits (O'Neill 2014): output and next state.
@@ -141,6 +141,20 @@ fn clear_way(x: &Wide) -> f64 {
     40.0 * ways.fold(f64::INFINITY, f64::min)
 }
 
+/// Tells extinction, depth, steady and clear way of a place, a direction, a brick and a texel.
+const CERTAIN: &str = "let at = DepthPlace(x[0].xyz, x[2].xyz, u32(x[4].x) << 30u | u32(x[0].w));
+    let m = depth_certain(volume(), at, x[3], x[1].xyz); return vec4f(m.extinction, m.depth, m.steady, m.clear);";
+
+/// Clear air as far as the index tells, or as the depth does; the core; or not certain.
+fn certain(x: &Wide) -> Output {
+    match (x[4][0] as u32, x[3][0]) {
+        (0, _) => [0.0, -40.0, 0.0, clear_way(x)],
+        (1, _) => [f64::from(0.05f32), 1e4, 40.0, 0.0],
+        (_, depth) if depth > 0.0 => [-1.0, depth, 0.0, 0.0],
+        (_, depth) => [0.0, depth, 0.0, -depth],
+    }
+}
+
 fn depths() -> Vec<Twin> {
     vec![
         Twin::new("depth_kind", "depth_volume", "return vec4f(f32(depth_kind(u32(x[0].x) << 30u | u32(x[0].y))));", |x| {
@@ -191,6 +205,42 @@ fn depths() -> Vec<Twin> {
         )
         .declaring(DEPTHS)
         .over("all", clear_place),
+        Twin::new(
+            "depth_boundary",
+            "depth_volume",
+            "var v = volume(); v.boundary = x[0].x; return vec4f(depth_boundary(v, x[0].y));",
+            |x| {
+                // No thicker than the noise's largest features.
+                let [boundary, frequency, ..] = x[0];
+                one(if boundary * frequency > 1.0 { 1.0 / frequency } else { boundary })
+            },
+        )
+        .declaring(DEPTHS)
+        .edges(plane(&[0.0, 30.0, 300.0], &[0.0, 0.01, 0.1]))
+        .over("all", |random| scalars([random.log(0.01, 1e3), random.log(1e-4, 1.0)])),
+        Twin::new("depth_certain", "depth_volume", CERTAIN, certain)
+            .declaring(DEPTHS)
+            .over("all", |random| {
+                let mut x = clear_place(random);
+                let texel = vector(DVec3::new(random.between(-40.0, 40.0), 0.05, 20.0), 0.4);
+                (x[3], x[4]) = (input([texel])[0], scalars([random.index(3) as f64])[0]);
+                x
+            }),
+        Twin::new(
+            "depth_facing",
+            "depth_volume",
+            "return vec4f(depth_facing(volume(), x[0].xyz, x[0].w), 0.0);",
+            |x| {
+                // Four bricks of 40 m below the boundary there is no facing left.
+                let deep = (1.0 - x[0][3].max(0.0) / 160.0).max(0.0);
+                three(-deep * xyz(x[0]).normalize())
+            },
+        )
+        .declaring(DEPTHS)
+        .over("all", |random| {
+            let slope = random.log(1e-3, 1e2) * random.direction();
+            input([vector(slope, random.between(-40.0, 200.0))])
+        }),
     ]
 }
 
@@ -241,6 +291,27 @@ fn boxes() -> Vec<Twin> {
             &[-0.1, 0.24, 0.26, 0.98, 1.0],
             &[0.0],
         )),
+        Twin::new(
+            "covered_slope",
+            "light_box",
+            "return vec4f(covered_slope(Surface(x[0].x, x[1].x), Surface(x[0].y, x[1].y),
+                Surface(x[0].z, x[1].z), x[0].w));",
+            |x| {
+                // Both rises, each by what is covered on both of its sides.
+                let ([a, b, c, texel], cover) = (x[0], x[1]);
+                let (before, after) = (cover[0].min(cover[1]), cover[1].min(cover[2]));
+                let rise = before * (b - a) / texel + after * (c - b) / texel;
+                one((rise / (before + after).max(f64::from(1e-4f32))).clamp(-1.5, 1.5))
+            },
+        )
+        .edges(grid(&[10.0], &[10.0, 12.0], &[9.0, 400.0], &[0.5, 30.0]))
+        .over("all", |random| {
+            let depth = random.log(1.0, 1e4);
+            let texel = random.log(0.1, 100.0);
+            let around = [(); 2].map(|()| depth + texel * random.between(-3.0, 3.0));
+            let cover = [(); 3].map(|()| [0.0, 1.0, random.between(0.0, 1.0)][random.index(3)]);
+            input([[around[0], depth, around[1], texel], [cover[0], cover[1], cover[2], 0.0]])
+        }),
         Twin::new(
             "light_box_normal",
             "light_box",

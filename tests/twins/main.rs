@@ -18,12 +18,16 @@ mod definitions;
 mod geometry;
 mod grids;
 mod harness;
+mod light;
+mod march;
 mod pack;
+mod path;
 mod picture;
 mod random;
 mod scattering;
 mod sky;
 mod slab;
+mod solve;
 mod table;
 mod textbook;
 
@@ -37,7 +41,6 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("slab_fit", "reads sun maps, as the next: tests/picture/slab_render.rs holds pictures against slabs"),
     ("slab_fit_kol", "the same"),
     ("slab_fit_gaussian", "the same"),
-    ("slab_fit_view", "the same"),
     ("slab_fit_bouthors", "the same"),
     ("slab_direct", "reads tables: tests/picture/slab_shader.rs compares it with them, as the next"),
     ("slab_functions", "the same"),
@@ -64,6 +67,10 @@ fn twins() -> Vec<Twin> {
         grids::twins(),
         picture::twins(),
         builtins::twins(),
+        march::twins(),
+        light::twins(),
+        solve::twins(),
+        path::twins(),
     ]
     .into_iter()
     .flatten()

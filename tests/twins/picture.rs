@@ -9,7 +9,7 @@ use crate::pack::{each, grid, input, line, one, plane, scalars, three, two, vect
 
 /// Real spherical harmonic of degree l and order m (negative: sine) in a direction: Re or Im
 /// (x + iy)^|m| times the |m|-th derivative of the Legendre polynomial.
-fn harmonic(l: usize, m: i32, d: DVec3) -> f64 {
+pub fn harmonic(l: usize, m: i32, d: DVec3) -> f64 {
     let mut polynomial =
         [vec![1.0], vec![0.0, 1.0], vec![-0.5, 0.0, 1.5], vec![0.0, -1.5, 0.0, 2.5]][l].clone();
     let order = m.unsigned_abs() as usize;
@@ -134,6 +134,29 @@ fn camera() -> Vec<Twin> {
             |x| one(if x[0][1] as u32 == 1 { 0.25 } else { 0.25 * x[0][0] }),
         )
         .edges(plane(&[0.0, 8.0], &[0.0, 1.0, 2.0])),
+        // Along the view axis, over the cosine of the ray to it.
+        Twin::new(
+            "depth_distance",
+            "camera",
+            "var c: Camera; c.projection = u32(x[1].w); c.forward = x[2].xyz;
+             return vec4f(depth_distance(c, x[0], x[2].w, x[1].xyz));",
+            |x| {
+                let ([a, b, c, _], depth, orthographic) = (x[0], x[2][3], x[1][3] > 0.5);
+                let axial = if orthographic { a + b * depth } else { a / (b + c * depth) };
+                one(axial * xyz(x[2]).length() / xyz(x[1]).dot(xyz(x[2])))
+            },
+        )
+        .over("all", |random| {
+            let forward = random.direction();
+            let angle = random.between(0.0, 1.3);
+            let direction = random.direction_off(forward, angle);
+            let (near, depth) = (random.log(0.01, 10.0), random.log(1e-4, 1.0));
+            // Depth from 1 at the near plane to 0, far away.
+            let kind = random.index(2);
+            let scale = [[near, 0.0, 1.0, 0.0], [1e4, near - 1e4, 0.0, 0.0]][kind];
+            let length = random.log(0.1, 10.0);
+            input([scale, vector(direction, kind as f64), vector(length * forward, depth)])
+        }),
     ]
 }
 
@@ -152,6 +175,13 @@ fn curves() -> Vec<Twin> {
             |x| three(DVec3::new(filmic(x[0][0]), soft(x[0][0]), x[0][0].min(1.0))),
         )
         .edges(line(&[0.0, 0.18, 2.0])),
+        Twin::new("heat_share", "tonemap", "return vec4f(heat_share(x[0].x, x[0].y));", |x| {
+            one((x[0][0].max(0.0).ln_1p() / x[0][1].ln_1p()).min(1.0))
+        })
+        .edges(plane(&[-1.0, 0.0, 1.0, 200.0], &[1.0, 100.0]))
+        .over("all", |random| scalars([random.log(1e-3, 1e6), random.log(1.0, 1e6)]))
+        // A share of the way.
+        .beside(1.0),
         Twin::new("srgb_encode", "tonemap", "return vec4f(srgb_encode(x[0].xyz), 0.0);", |x| each(x[0], srgb))
             .edges(grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]))
             .over("all", |random| scalars([(); 3].map(|()| random.log(1e-6, 1.0)))),

@@ -1,10 +1,12 @@
 //! Coordinates of the sky's tables.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 
 use crate::air::{EARTH, GROUND, THICKNESS, distance_to_top, horizon_mu, horizon_square, inside};
 use crate::harness::{Output, Random, Twin, Wide};
-use crate::pack::{input, one, scalars, three, two, vector, xyz};
+use crate::pack::{input, one, plane, scalars, three, two, vector, xyz};
 
 /// Texel centres at both ends of 256 by 64 texels.
 fn texel(x: f64, size: f64) -> f64 {
@@ -77,7 +79,7 @@ fn uv(random: &mut Random) -> [f64; 2] {
 pub fn twins() -> Vec<Twin> {
     let mut all = tables();
     all.extend(views());
-    all.into_iter().map(|twin| twin.declaring(EARTH)).collect()
+    all.into_iter().map(|twin| twin.declaring(EARTH)).chain(spheres()).collect()
 }
 
 fn tables() -> Vec<Twin> {
@@ -185,5 +187,71 @@ fn views() -> Vec<Twin> {
             |x| three(DVec3::new(x[0][0], x[0][1], x[0][2])),
         )
         .over("all", |random| scalars([(); 3].map(|()| random.log(1e-8, 1e6)))),
+    ]
+}
+
+fn spheres() -> Vec<Twin> {
+    vec![
+        Twin::new("middle_of", "sphere_grid", "return vec4f(middle_of(u32(x[0].x), u32(x[0].y)));", |x| {
+            one((2.0 * x[0][0] + 1.0) / (2.0 * x[0][1]))
+        })
+        .edges(plane(&[0.0, 1.0, 5.0, 7.0], &[8.0, 16.0])),
+        Twin::new(
+            "half_circle_sine",
+            "sphere_grid",
+            "return vec4f(half_circle_sine(u32(x[0].x), u32(x[0].y)));",
+            |x| {
+                // Half of an azimuth from 0 to pi.
+                let azimuth = PI * (x[0][0] + 0.5) / x[0][1];
+                one(((1.0 - azimuth.cos()) / 2.0).sqrt())
+            },
+        )
+        .edges(plane(&[0.0, 1.0, 3.0, 5.0], &[6.0, 8.0, 16.0]))
+        // GPUs have sines within an amount, not within a share.
+        .beside(1.0),
+        Twin::new("weighted_cosine", "sphere_grid", "return vec4f(weighted_cosine(x[0].x));", |x| {
+            // Below it is this share of the weights: their integral is its square.
+            one(x[0][0].powf(0.5))
+        })
+        .edges(plane(&[0.0, 0.03, 0.5, 1.0], &[0.0]))
+        .over("all", |random| scalars([random.log(1e-6, 1.0)])),
+        Twin::new(
+            "hemisphere_irradiance",
+            "sphere_grid",
+            "return vec4f(hemisphere_irradiance(x[0].xyz, u32(x[0].w)), 0.0);",
+            |x| three(xyz(x[0]) / x[0][3] * PI),
+        )
+        .over("all", |random| {
+            let sum = DVec3::from([(); 3].map(|()| random.log(1e-6, 1e3)));
+            input([vector(sum, 64.0)])
+        }),
+        Twin::new(
+            "matt_radiance",
+            "sphere_grid",
+            "return vec4f(matt_radiance(x[0].xyz, x[1].xyz), 0.0);",
+            |x| three(xyz(x[0]) * xyz(x[1]) / PI),
+        )
+        .over("all", |random| {
+            let albedo = DVec3::from([(); 3].map(|()| random.between(0.0, 1.0)));
+            let light = DVec3::from([(); 3].map(|()| random.log(1e-6, 1e3)));
+            input([vector(albedo, 0.0), vector(light, 0.0)])
+        }),
+        Twin::new("even_source", "sphere_grid", "return vec4f(even_source(x[0].xyz, x[1].xyz), 0.0);", |x| {
+            three(xyz(x[0]) * xyz(x[1]) / (4.0 * PI))
+        })
+        .over("all", |random| {
+            let [light, scattering] = [1e3, 1e-3].map(|most| [(); 3].map(|()| random.log(1e-6 * most, most)));
+            input([vector(light.into(), 0.0), vector(scattering.into(), 0.0)])
+        }),
+        Twin::new("direction_at", "sphere_grid", "return vec4f(direction_at(x[0].x, x[0].y), 0.0);", |x| {
+            let (elevation, azimuth) = (x[0][0].asin(), x[0][1]);
+            let level = elevation.cos();
+            three(DVec3::new(level * azimuth.cos(), x[0][0], level * azimuth.sin()))
+        })
+        .edges(plane(&[-1.0, 0.0, 1.0], &[0.0, 1.0, 3.0, 6.0]))
+        .beside(1.0)
+        .over("all", |random| scalars([random.between(-1.0, 1.0), random.between(0.0, 2.0 * PI)]))
+        // Parts of a unit vector.
+        .beside(1.0),
     ]
 }

@@ -104,6 +104,32 @@ fn fitted(x: &Wide) -> Output {
     vector(normal, normal.dot(to_sun))
 }
 
+/// A point some way below or above a lit face, and the slab as thick as the cloud is long along the light.
+fn below_face(random: &mut Random) -> Input {
+    let (normal, mu0) = (random.direction(), random.between(0.2, 1.0));
+    let sun = random.direction_off(normal, mu0.acos());
+    let middle = random.log(1.0, 1e4) * random.direction();
+    let length = random.log(1.0, 1e4);
+    let across = random.direction_off(normal, std::f64::consts::FRAC_PI_2);
+    let p = middle - length * (random.between(-0.5, 2.0) * normal + random.between(0.0, 1.0) * across);
+    input([
+        vector(normal, mu0),
+        vector(middle, length),
+        vector(p, random.log(1.0, 100.0)),
+        vector(random.direction(), 0.0),
+        vector(sun, 0.0),
+    ])
+}
+
+/// Depths in mean free paths: no less than a tenth of the thickness from either face.
+fn fit_view(x: &Wide) -> Output {
+    let [normal, middle, p, eye, sun] = [0, 1, 2, 3, 4].map(|i| xyz(x[i]));
+    let free = x[2][3];
+    let depth = (middle - p).dot(normal) / free;
+    let thickness = (x[0][3] * x[1][3] / free).max(depth * 10.0 / 9.0);
+    [thickness, depth.max(thickness / 10.0), -normal.dot(eye), normal.dot(sun)]
+}
+
 pub fn twins() -> Vec<Twin> {
     let mut all = views();
     all.extend(coordinates());
@@ -153,6 +179,15 @@ fn coordinates() -> Vec<Twin> {
         Twin::new("slab_fit_of", "slab_fit", "let f = fit(x); return vec4f(f.normal, f.mu0);", fitted)
             .declaring(FIT)
             .over("all", maps),
+        Twin::new(
+            "slab_fit_view",
+            "slab_fit",
+            "let fit = SlabFit(x[0].xyz, x[0].w, 7.0, x[1].xyz, x[1].w, 1.0, 2u);
+             let v = slab_fit_view(fit, x[2].xyz, x[3].xyz, x[4].xyz, x[2].w);
+             return vec4f(v.thickness, v.depth, v.mu, v.mu0);",
+            fit_view,
+        )
+        .over("all", below_face),
         Twin::new(
             "slab_thickness_coordinate",
             "slab",

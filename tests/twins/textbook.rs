@@ -88,6 +88,14 @@ const FORMS: &[Form] = &[
          let across = mean - dot(mean, to_sun) * to_sun; let mu0 = clamp(dot(mean, to_sun), 0.2, 1.0);
          return vec4f(mu0 * to_sun + sqrt(1.0 - mu0 * mu0) * across / max(length(across), 1e-6), mu0);",
     ),
+    // The limb from the square of the distance to the centre.
+    (
+        "disc_radiance",
+        "",
+        "let sharp = 1.0 - 0.5 * x[0].y / x[0].x; let rim = min(x[0].z / x[0].x, sharp); let exponent = 0.5 * sharp * LIMB;
+         let limb = (1.0 + exponent) * pow(vec3f(max(1.0 - rim * rim, 1e-6)), exponent);
+         return vec4f(limb * x[0].w / (PI * (x[0].x * x[0].x + x[0].y * x[0].y / 12.0)), 0.0);",
+    ),
     // Maclaurin's series of asin to x^17.
     (
         "asin_small",

@@ -14,7 +14,7 @@ pub struct FieldUniform {
     pub(crate) cell: Vec3,
     pub(crate) lights: u32,
     pub(crate) size: UVec3,
-    pub(crate) ahead: f32,
+    pub(crate) truncated: f32,
     pub(crate) scattering: Vec4,
     pub(crate) beam: Vec4,
 }

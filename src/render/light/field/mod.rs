@@ -249,7 +249,7 @@ impl Solver<'_> {
         if asymmetry < LEAST_ASYMMETRY {
             return 1;
         }
-        let kept = (1.0 - self.species.truncated) * (1.0 - uniform.ahead) * (1.0 - asymmetry);
+        let kept = (1.0 - self.species.truncated) * (1.0 - uniform.truncated) * (1.0 - asymmetry);
         repeats((kept * self.densest * self.field_box.extent.min_element()).into(), albedo.into())
     }
 
@@ -275,7 +275,7 @@ impl Solver<'_> {
             cell: self.field_box.extent / size.as_vec3(),
             lights: self.lights.count(),
             size,
-            ahead: species.albedo * species.ahead,
+            truncated: species.albedo * species.ahead,
             scattering: Vec4::from(
                 species.chi.map(|chi| {
                     species.albedo * (chi - species.ahead) / (1.0 - species.albedo * species.ahead)
