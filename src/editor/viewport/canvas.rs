@@ -18,10 +18,11 @@ use super::{
     work::{Source, Work},
 };
 use crate::{
-    Result,
+    Error, Result,
     export::Picture,
     gpu::{Gpu, Timing},
     render::{Frame, Quality, Renderer, Resolve, Shown},
+    scene::Scene,
 };
 
 const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
@@ -61,6 +62,8 @@ pub struct Canvas {
     resolve: Resolve,
     egui: Arc<RwLock<egui_wgpu::Renderer>>,
     subject: Option<Subject>,
+    /// The moment of a scene that was seen last: a camera that moves makes none of its clouds anew.
+    moment: Option<(Arc<Scene>, Frame)>,
     tone: Tone,
     stage: Stage,
     rest_at: Instant,
@@ -91,6 +94,7 @@ impl Canvas {
             resolve: Resolve::default(),
             egui,
             subject: None,
+            moment: None,
             tone: Tone::default(),
             stage: Stage::Moving,
             rest_at: Instant::now(),
@@ -288,7 +292,10 @@ impl Canvas {
         let Quality { light_resolution, light_cells, .. } = self.light;
         self.renderer.settings.quality = Quality { light_resolution, light_cells, ..quality };
         self.renderer.settings.lights_at_once = self.lighting.count();
-        subject.frame(size)
+        let known = self.moment.take().filter(|(scene, _)| Arc::ptr_eq(scene, &subject.scene));
+        let made = || Ok::<_, Error>((subject.scene.clone(), subject.frame(size)?));
+        let (_, moment) = &*self.moment.insert(known.map_or_else(made, Ok)?);
+        moment.seen_by(&subject.camera, size)
     }
 
     /// Begins a picture of `frame`, for which the renderer is set.
