@@ -105,7 +105,7 @@ fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
     let depth = textureLoad(scene_depth, vec2u(pixel), 0);
     let d = cloud.scene_depth;
     let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
-    return axial / max(dot(ray.direction, normalize(camera.forward)), 1e-6);
+    return axial / max(dot(ray.direction, camera.axis), 1e-6);
 }
 
 // Whether the pixel in direction `d` shows any of the sun's disc, which is drawn no

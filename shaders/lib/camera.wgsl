@@ -15,13 +15,16 @@ struct Camera {
     up: vec3f,
     // Metres above the ground.
     altitude: f32,
+    // The line of sight in the middle of the picture; a unit vector for all but perspective cameras.
     forward: vec3f,
     // Angle of a pixel at the centre, rad; metres for an orthographic camera.
     pixel: f32,
-    size: vec2f,
+    // At right angles to the picture, which `forward` is not where the lens is shifted; a unit vector.
+    axis: vec3f,
     // 1 where pixels are offset by a fixed blue-noise-like pattern, else 0.
     jitter: f32,
-    padding: f32,
+    size: vec2f,
+    padding: vec2f,
 }
 
 struct Ray {

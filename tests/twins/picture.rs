@@ -71,7 +71,7 @@ fn srgb(x: f64) -> f64 {
 
 /// A camera with axes of 1.6 and 0.9, which stretch its panorama.
 const CAMERA: &str = "const view = Camera(vec3f(1.6, 0.0, 0.0), 0u, vec3f(0.0, 0.9, 0.0), 2.0,
-    vec3f(0.0, 0.0, -1.0), 0.001, vec2f(1.0), 0.0, 0.0);";
+    vec3f(0.0, 0.0, -1.0), 0.001, vec3f(0.0, 0.0, -1.0), 0.0, vec2f(1.0), vec2f(0.0));";
 
 fn camera_ray(x: &Wide) -> Output {
     let [a, b, kind, _] = x[0];
