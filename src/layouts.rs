@@ -67,7 +67,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "Camera",
-            layout!(CameraUniform: right, projection, up, altitude, forward, pixel, size, jitter),
+            layout!(CameraUniform: right, projection, up, altitude, forward, pixel, axis, jitter, size),
         ),
         (
             "march",

@@ -3,7 +3,7 @@
 //! An artist describes a [`scene::Scene`]: ellipsoids, droplets, sun, sky, camera, as a
 //! JSON file or in code. [`render::Frame`] is one moment of it as the GPU takes it, and
 //! [`render::Renderer`] draws frames into the caller's texture, respecting the caller's
-//! depth. [`export`] writes PNG and EXR. [`editor`] is the window in which scenes are made.
+//! depth. A game's camera comes as matrices: [`render::Frame::seen_through`]. [`export`] writes PNG and EXR. [`editor`] is the window in which scenes are made.
 //!
 //! ```no_run
 //! use nephos::{gpu::Gpu, render::{Frame, Renderer, Target}, scene::Preset};

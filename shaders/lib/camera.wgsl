@@ -15,13 +15,16 @@ struct Camera {
     up: vec3f,
     // Metres above the ground.
     altitude: f32,
+    // The line of sight in the middle of the picture; a unit vector for all but perspective cameras.
     forward: vec3f,
     // Angle of a pixel at the centre, rad; metres for an orthographic camera.
     pixel: f32,
-    size: vec2f,
+    // At right angles to the picture, which `forward` is not where the lens is shifted; a unit vector.
+    axis: vec3f,
     // 1 where pixels are offset by a fixed blue-noise-like pattern, else 0.
     jitter: f32,
-    padding: f32,
+    size: vec2f,
+    padding: vec2f,
 }
 
 struct Ray {
@@ -55,7 +58,7 @@ fn pixel_ndc(camera: Camera, pixel: vec2f) -> vec2f {
 fn depth_distance(camera: Camera, scale: vec4f, depth: f32, direction: vec3f) -> f32 {
     let d = scale;
     let axial = select(d.x / max(d.y + d.z * depth, 1e-20), d.x + d.y * depth, camera.projection == ORTHOGRAPHIC);
-    return axial / max(dot(direction, normalize(camera.forward)), 1e-6);
+    return axial / max(dot(direction, camera.axis), 1e-6);
 }
 
 // Width in metres of what a pixel sees at distance `t`.

@@ -16,9 +16,10 @@ pub struct CameraUniform {
     pub(crate) altitude: f32,
     pub(crate) forward: Vec3,
     pub(crate) pixel: f32,
-    pub(crate) size: [f32; 2],
+    pub(crate) axis: Vec3,
     pub(crate) jitter: f32,
-    padding: f32,
+    pub(crate) size: [f32; 2],
+    pub(super) padding: [f32; 2],
 }
 
 impl CameraUniform {
@@ -55,9 +56,10 @@ impl CameraUniform {
             altitude: (camera.position.y - ground) as f32,
             forward: forward.as_vec3(),
             pixel: pixel as f32,
-            size: [width as f32, height as f32],
+            axis: forward.as_vec3(),
             jitter: 0.0,
-            padding: 0.0,
+            size: [width as f32, height as f32],
+            padding: [0.0; 2],
         }
     }
 
@@ -73,9 +75,10 @@ impl CameraUniform {
             altitude: altitude as f32,
             forward: forward.as_vec3(),
             pixel: (extent / f64::from(size)) as f32,
-            size: [size as f32; 2],
+            axis: DVec3::Y.as_vec3(),
             jitter: 0.0,
-            padding: 0.0,
+            size: [size as f32; 2],
+            padding: [0.0; 2],
         }
     }
 

@@ -3,10 +3,11 @@
 
 mod air;
 mod camera;
+mod matrices;
 pub(crate) mod medium;
 mod shared;
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 pub(crate) use air::AERIAL_REACH;
 pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
@@ -88,14 +89,28 @@ impl Frame {
     /// # Errors
     /// Where `size` has a zero.
     pub fn seen_by(&self, camera: &scene::Camera, size: [u32; 2]) -> Result<Self> {
-        if size.contains(&0) {
-            return Err(Error::Argument(format!(
-                "a picture of {} by {} pixels has none: both must be at least 1",
-                size[0], size[1]
-            )));
-        }
+        check_size(size)?;
         let camera_position = camera.position;
         Ok(Self { camera: CameraUniform::new(camera, self.ground, size), camera_position, ..self.clone() })
+    }
+
+    /// The same moment seen by the camera of a game engine, for a picture of `size` pixels: perspective, with
+    /// the middle of the picture where the matrix has it, or orthographic; depth may be finite or not,
+    /// reversed or not, which [`SceneDepth`](crate::render::SceneDepth) tells. Behind parallel
+    /// lines of sight is the sky of the height of the picture's middle. The camera looks along -Z of
+    /// its view, y is up, in metres; y of the clip space is up, as wgpu has it.
+    ///
+    /// # Errors
+    /// Where a matrix is no projection or no place of a camera, or `size` has a zero.
+    pub fn seen_through(
+        &self,
+        clip_from_view: Mat4,
+        world_from_view: DAffine3,
+        size: [u32; 2],
+    ) -> Result<Self> {
+        check_size(size)?;
+        let (camera, camera_position) = matrices::camera(clip_from_view, world_from_view, self.ground, size)?;
+        Ok(Self { camera, camera_position, ..self.clone() })
     }
 
     /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
@@ -126,6 +141,16 @@ impl Frame {
         let boxes = self.clouds.iter().map(|cloud| (cloud.origin - cloud.half, cloud.origin + cloud.half));
         boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
+}
+
+fn check_size(size: [u32; 2]) -> Result<()> {
+    if size.contains(&0) {
+        return Err(Error::Argument(format!(
+            "a picture of {} by {} pixels has none: both must be at least 1",
+            size[0], size[1]
+        )));
+    }
+    Ok(())
 }
 
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {

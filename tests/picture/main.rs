@@ -3,6 +3,7 @@
 
 mod atmosphere;
 mod bench;
+mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
 mod extremes;

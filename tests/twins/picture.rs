@@ -71,7 +71,7 @@ fn srgb(x: f64) -> f64 {
 
 /// A camera with axes of 1.6 and 0.9, which stretch its panorama.
 const CAMERA: &str = "const view = Camera(vec3f(1.6, 0.0, 0.0), 0u, vec3f(0.0, 0.9, 0.0), 2.0,
-    vec3f(0.0, 0.0, -1.0), 0.001, vec2f(1.0), 0.0, 0.0);";
+    vec3f(0.0, 0.0, -1.0), 0.001, vec3f(0.0, 0.0, -1.0), 0.0, vec2f(1.0), vec2f(0.0));";
 
 fn camera_ray(x: &Wide) -> Output {
     let [a, b, kind, _] = x[0];
@@ -138,7 +138,7 @@ fn camera() -> Vec<Twin> {
         Twin::new(
             "depth_distance",
             "camera",
-            "var c: Camera; c.projection = u32(x[1].w); c.forward = x[2].xyz;
+            "var c: Camera; c.projection = u32(x[1].w); c.axis = x[2].xyz;
              return vec4f(depth_distance(c, x[0], x[2].w, x[1].xyz));",
             |x| {
                 let ([a, b, c, _], depth, orthographic) = (x[0], x[2][3], x[1][3] > 0.5);

@@ -231,20 +231,48 @@ mod tests {
             for eye in eyes.map(DVec3::from) {
                 let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 20.0, projection };
                 let camera = CameraUniform::new(&camera, 0.0, size);
-                let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids, MANY);
-                for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
-                    let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
-                    let ray = camera.ray(uv);
-                    let owners: Vec<_> = cover.tiles.iter().filter(|tile| contains(tile, x, y)).collect();
-                    assert!(owners.len() <= 1, "pixel {x} {y} is launched twice");
-                    for (i, e) in ellipsoids.iter().enumerate() {
-                        let listed = owners.iter().any(|tile| list(&cover, tile).contains(&(i as u32)));
-                        assert!(
-                            listed || !hit(e, ray, eye.as_vec3()),
-                            "{projection:?} from {eye}: {x} {y} misses {i}"
-                        );
+                assert_covered(&camera, eye.as_vec3(), &ellipsoids, &format!("{projection:?} from {eye}"));
+            }
+        }
+    }
+
+    #[test]
+    fn rays_of_a_shifted_lens_are_in_tiles_too() {
+        for eye in [[0.0, 0.0, 600.0], [30.0, 5.0, 10.0], [-400.0, 300.0, -200.0]].map(DVec3::from) {
+            let camera = Camera {
+                position: eye,
+                target: DVec3::ZERO,
+                roll_deg: 20.0,
+                projection: Projection::default(),
+            };
+            for projection in [CameraUniform::PERSPECTIVE, CameraUniform::ORTHOGRAPHIC] {
+                for shift in [Vec2::new(-1.0, 1.0), Vec2::new(3.0, 0.4), Vec2::new(0.0, -6.0)] {
+                    let mut camera = CameraUniform::new(&camera, 0.0, [120, 68]);
+                    camera.forward += shift.x * camera.right + shift.y * camera.up;
+                    camera.projection = projection;
+                    if projection == CameraUniform::ORTHOGRAPHIC {
+                        camera.forward = camera.forward.normalize();
+                        (camera.right, camera.up) = (400.0 * camera.right, 400.0 * camera.up);
                     }
+                    let said = format!("{projection} shifted by {shift} from {eye}");
+                    assert_covered(&camera, eye.as_vec3(), &ellipsoids(), &said);
                 }
+            }
+        }
+    }
+
+    /// Each pixel is in one tile at most, which lists what its ray meets.
+    fn assert_covered(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform], said: &str) {
+        let size = camera.size.map(|n| n as u32);
+        let cover = Cover::new(camera, eye, ellipsoids, MANY);
+        for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
+            let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
+            let ray = camera.ray(uv);
+            let owners: Vec<_> = cover.tiles.iter().filter(|tile| contains(tile, x, y)).collect();
+            assert!(owners.len() <= 1, "pixel {x} {y} is launched twice");
+            for (i, e) in ellipsoids.iter().enumerate() {
+                let listed = owners.iter().any(|tile| list(&cover, tile).contains(&(i as u32)));
+                assert!(listed || !hit(e, ray, eye), "{said}: {x} {y} misses {i}");
             }
         }
     }
