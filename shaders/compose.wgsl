@@ -5,7 +5,7 @@
 struct Compose {
     // Factor on scene light, from stops.
     exposure: f32,
-    // TONE_FILMIC, TONE_SOFT or TONE_LINEAR.
+    // TONE_FILMIC and so on.
     curve: u32,
     padding_x: f32,
     padding_y: f32,

@@ -154,6 +154,7 @@ fn constants_of_rust_and_shaders_agree() {
         ("compose", "TONE_FILMIC", tone(ToneCurve::Filmic)),
         ("compose", "TONE_SOFT", tone(ToneCurve::Soft)),
         ("compose", "TONE_LINEAR", tone(ToneCurve::Linear)),
+        ("compose", "TONE_NATURAL", tone(ToneCurve::Natural)),
         ("resolve", "BEAUTY", shown(Shown::Beauty)),
         ("resolve", "LIGHT", shown(Shown::Light)),
         ("resolve", "TRANSMITTANCE", shown(Shown::Transmittance)),

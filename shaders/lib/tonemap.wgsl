@@ -14,15 +14,38 @@ fn soft(light: vec3f) -> vec3f {
     return saturate(x * (1.0 + x / (15.2 * 15.2)) / (1.0 + x));
 }
 
+// Keeps hue: the brightest channel goes straight up to the shoulder, which rolls off to 1, and the
+// others with it; what is near white fades to it. By channel instead, a low sun would turn yellow,
+// for its red is cut first, and clouds would lie on the shoulder with all that they have of texture.
+const NATURAL_SLOPE: f32 = 0.52;
+const NATURAL_SHOULDER: f32 = 0.6;
+
+fn natural_level(brightest: f32) -> f32 {
+    let straight = NATURAL_SLOPE * brightest;
+    let left = 1.0 - NATURAL_SHOULDER;
+    let rolled = 1.0 - left * exp(min((NATURAL_SHOULDER - straight) / left, 0.0));
+    return select(straight, rolled, straight > NATURAL_SHOULDER);
+}
+
+fn natural(light: vec3f) -> vec3f {
+    let x = max(light, vec3f(0.0));
+    let brightest = max(x.x, max(x.y, x.z));
+    let level = natural_level(brightest);
+    let near_white = saturate((level - NATURAL_SHOULDER) / (1.0 - NATURAL_SHOULDER));
+    return level * mix(x / max(brightest, 1e-20), vec3f(1.0), near_white * near_white);
+}
+
 const TONE_FILMIC: u32 = 0u;
 const TONE_SOFT: u32 = 1u;
 const TONE_LINEAR: u32 = 2u;
+const TONE_NATURAL: u32 = 3u;
 
 // Light to the screen's, 0 to 1, still linear.
 fn tone_curve(curve: u32, light: vec3f) -> vec3f {
     switch curve {
         case TONE_SOFT: { return soft(light); }
         case TONE_LINEAR: { return saturate(light); }
+        case TONE_NATURAL: { return natural(light); }
         default: { return filmic(light); }
     }
 }

@@ -11,7 +11,7 @@ use crate::{
     gpu::{Gpu, Timing},
     reference::Estimate,
     render::{Film, Frame, Quality, Renderer, Transport},
-    scene::Scene,
+    scene::{Scene, Tone, ToneCurve},
 };
 
 /// What a picture is like.
@@ -42,6 +42,12 @@ pub struct PictureOptions {
     /// may have 8192 rays across.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     supersample: Option<u32>,
+    /// Exposure in stops instead of the scene's (not for EXR, which holds the light itself).
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    exposure: Option<f64>,
+    /// Curve from light to the screen instead of the scene's (not for EXR).
+    #[arg(long, value_name = "CURVE", value_enum)]
+    tone: Option<ToneName>,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     pub(super) layers: bool,
@@ -71,6 +77,37 @@ impl QualityName {
             Self::Preview => Quality::PREVIEW,
             Self::Final => Quality::FINAL,
         }
+    }
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum ToneName {
+    /// Like film: more contrast in the middle, highlights roll off.
+    Filmic,
+    /// Less contrast: shades in bright clouds stay apart.
+    Soft,
+    /// None: what is brighter than white is cut.
+    Linear,
+    /// Keeps hue and the texture of bright clouds.
+    Natural,
+}
+
+impl From<ToneName> for ToneCurve {
+    fn from(name: ToneName) -> Self {
+        match name {
+            ToneName::Filmic => Self::Filmic,
+            ToneName::Soft => Self::Soft,
+            ToneName::Linear => Self::Linear,
+            ToneName::Natural => Self::Natural,
+        }
+    }
+}
+
+/// Stops that a scene may have.
+fn stops(text: &str) -> std::result::Result<f64, String> {
+    match text.parse() {
+        Ok(stops) if (-20.0..=20.0).contains(&stops) => Ok(stops),
+        _ => Err("give stops from -20 to 20".to_owned()),
     }
 }
 
@@ -152,6 +189,12 @@ impl PictureOptions {
     pub fn check(&self, format: Format) -> Result<()> {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
+        }
+        if format == Format::Exr && (self.exposure.is_some() || self.tone.is_some()) {
+            return Err(Error::Argument(
+                "--exposure and --tone are for pictures of screens, and EXR holds the light itself: leave them out"
+                    .to_owned(),
+            ));
         }
         self.check_transport()?;
         self.check_rays()
@@ -282,11 +325,29 @@ impl PictureOptions {
             }
             (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &job.notes),
             (Format::Png, _) => {
-                let bytes = finished(painter, picture, job.scene)?;
+                let bytes = self.finished(painter, picture, job.scene)?;
                 let size = [self.width, self.height];
                 export::write_png_noted(job.output, size, &bytes, self.transparent, &job.notes)
             }
         }
+    }
+
+    /// The picture of `scene` as screens show it, RGBA of 8 bits.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub(super) fn finished(
+        &self,
+        painter: &mut Painter,
+        picture: &Picture,
+        scene: &Scene,
+    ) -> Result<Vec<u8>> {
+        let own = scene.posed(scene.time).tone();
+        let tone = Tone {
+            stops: self.exposure.unwrap_or(own.stops),
+            curve: self.tone.map_or(own.curve, ToneCurve::from),
+        };
+        picture.finished(&painter.gpu, &mut painter.renderer, tone)
     }
 
     /// Puts in what was left out, so that the same picture is asked for by the same words.
@@ -322,14 +383,6 @@ fn kept(output: &Path, estimate: &Estimate) -> String {
         Ok(Format::Exr) => so_far + "; the same command with --resume goes on",
         _ => so_far,
     }
-}
-
-/// A picture as screens show it, RGBA of 8 bits; the tone is that of the scene at its own time.
-///
-/// # Errors
-/// Where the device fails.
-pub(super) fn finished(painter: &mut Painter, picture: &Picture, scene: &Scene) -> Result<Vec<u8>> {
-    picture.finished(&painter.gpu, &mut painter.renderer, scene.posed(scene.time).tone())
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -15,6 +15,8 @@ pub enum ToneCurve {
     Soft,
     /// None: what is brighter than white is cut, for measuring and for other tools.
     Linear,
+    /// Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.
+    Natural,
 }
 
 /// Exposure and curve of a picture for screens.

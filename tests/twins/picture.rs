@@ -65,6 +65,12 @@ fn soft(x: f64) -> f64 {
     (l * (1.0 + l / (white * white)) / (1.0 + l)).min(1.0)
 }
 
+/// Straight with slope 0.52 up to 0.6, then an exponential that goes on as steep and ends at 1.
+fn natural_level(x: f64) -> f64 {
+    let straight = 0.52 * x;
+    if straight <= 0.6 { straight } else { 1.0 - 0.4 * (-(straight - 0.6) / 0.4).exp() }
+}
+
 fn srgb(x: f64) -> f64 {
     if x <= 0.0031308 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
@@ -138,7 +144,7 @@ fn camera() -> Vec<Twin> {
         Twin::new(
             "depth_distance",
             "camera",
-            "var c: Camera; c.projection = u32(x[1].w); c.axis = x[2].xyz;
+            "var c: Camera; c.projection = u32(x[1].w); c.axis = normalize(x[2].xyz);
              return vec4f(depth_distance(c, x[0], x[2].w, x[1].xyz));",
             |x| {
                 let ([a, b, c, _], depth, orthographic) = (x[0], x[2][3], x[1][3] > 0.5);
@@ -168,11 +174,25 @@ fn curves() -> Vec<Twin> {
         Twin::new("soft", "tonemap", "return vec4f(soft(x[0].xyz), 0.0);", |x| each(x[0], soft))
             .edges(lights())
             .over("all", light),
+        Twin::new("natural_level", "tonemap", "return vec4f(natural_level(x[0].x));", |x| {
+            one(natural_level(x[0][0]))
+        })
+        .edges(line(&[0.0, 0.18, 1.0, 1.15, 1.16, 2.0, 8.0, 1e4]))
+        .over("all", |random| scalars([random.log(1e-6, 1e6)])),
+        Twin::new("natural", "tonemap", "return vec4f(natural(x[0].xyz), 0.0);", |x| {
+            let light = xyz(x[0]).max(DVec3::ZERO);
+            let level = natural_level(light.max_element());
+            let white = ((level - 0.6) / 0.4).clamp(0.0, 1.0).powi(2);
+            three(level * (light / light.max_element()).lerp(DVec3::ONE, white))
+        })
+        .edges(lights())
+        .over("all", light),
         Twin::new(
             "tone_curve",
             "tonemap",
-            "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(2u, x[0].xxx).x, 0.0);",
-            |x| three(DVec3::new(filmic(x[0][0]), soft(x[0][0]), x[0][0].min(1.0))),
+            "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(2u, x[0].xxx).x,
+                tone_curve(3u, x[0].xxx).x);",
+            |x| [filmic(x[0][0]), soft(x[0][0]), x[0][0].min(1.0), natural_level(x[0][0])],
         )
         .edges(line(&[0.0, 0.18, 2.0])),
         Twin::new("heat_share", "tonemap", "return vec4f(heat_share(x[0].x, x[0].y));", |x| {
@@ -182,9 +202,11 @@ fn curves() -> Vec<Twin> {
         .over("all", |random| scalars([random.log(1e-3, 1e6), random.log(1.0, 1e6)]))
         // A share of the way.
         .beside(1.0),
-        Twin::new("srgb_encode", "tonemap", "return vec4f(srgb_encode(x[0].xyz), 0.0);", |x| each(x[0], srgb))
-            .edges(grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]))
-            .over("all", |random| scalars([(); 3].map(|()| random.log(1e-6, 1.0)))),
+        Twin::new("srgb_encode", "tonemap", "return vec4f(srgb_encode(x[0].xyz), 0.0);", |x| {
+            each(x[0], srgb)
+        })
+        .edges(grid(&[0.0, 0.001, 0.0031308], &[0.18, 0.5], &[0.9, 1.0], &[0.0]))
+        .over("all", |random| scalars([(); 3].map(|()| random.log(1e-6, 1.0)))),
     ]
 }
 

@@ -24,7 +24,7 @@ use self::{
     stamp::Stamp,
 };
 use super::{
-    picture::{self, Format, Job, Painter, PictureOptions, above_zero},
+    picture::{Format, Job, Painter, PictureOptions, above_zero},
     stopped, terminal,
 };
 use crate::{
@@ -276,7 +276,7 @@ impl Sequence {
         let (frame, notes) = (self.picture.frame(&scene)?, Notes::default());
         let job = Job { scene: &scene, frame, output: &self.output, resume: false, keep: false, notes };
         let drawn = self.picture.draw(painter, &job, progress)?;
-        Ok(export::opaque_of(&picture::finished(painter, &drawn.picture, &scene)?))
+        Ok(export::opaque_of(&self.picture.finished(painter, &drawn.picture, &scene)?))
     }
 
     fn told(&self, report: &Report) -> String {

@@ -69,6 +69,11 @@ fn picture(ui: &mut Ui, document: &mut Document) {
         ("Filmic", "Like film: more contrast in the middle, highlights roll off.", ToneCurve::Filmic),
         ("Soft", "Less contrast: shades in bright clouds stay apart.", ToneCurve::Soft),
         ("Linear", "None: what is brighter than white is cut.", ToneCurve::Linear),
+        (
+            "Natural",
+            "Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.",
+            ToneCurve::Natural,
+        ),
     ];
     let mut form = Form::new(ui).keyed(document, "");
     form.text("Scene.name", "Name", &mut name, "no name");

@@ -25,6 +25,7 @@ impl ComposeUniform {
             ToneCurve::Filmic => 0,
             ToneCurve::Soft => 1,
             ToneCurve::Linear => 2,
+            ToneCurve::Natural => 3,
         };
         Self { exposure: (BASE * tone.stops.exp2()) as f32, curve, padding: [0.0; 2] }
     }
