@@ -32,7 +32,7 @@ pub fn phase_table(droplets: &Droplets) -> Result<Vec<f32>> {
 
 /// The share of the light at coordinate `x` from 0 to 1 of an inverse distribution: quadratic at
 /// both ends, so that angles, which grow like the root of what they hold there, are linear in it.
-/// The inverse of `share_coordinate` in `shaders/path.wgsl`.
+/// The inverse of `share_coordinate` in `shaders/lib/path_choice.wgsl`.
 fn share_at(x: f64) -> f64 {
     let from_end = 2.0 * x.min(1.0 - x).powi(2);
     if x < 0.5 { from_end } else { 1.0 - from_end }

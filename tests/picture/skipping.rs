@@ -227,12 +227,12 @@ fn what_a_scene_does_not_use_is_compiled_out() {
     let bare = changed(&|_| (), &|_| ());
     for (what, with) in [
         ("sky_volume", changed(&|scene| scene.sky = white(), &|_| ())),
-        ("openness_at", changed(&|scene| scene.sky = white(), &|_| ())),
+        ("conductances_at", changed(&|scene| scene.sky = white(), &|_| ())),
         ("aerial", changed(&|scene| scene.sky = Sky::default(), &|_| ())),
         ("counters", changed(&|_| (), &|renderer| renderer.settings.counting = true)),
         ("counts", changed(&|_| (), &|renderer| renderer.settings.counting = true)),
         ("recovered_peak", changed(&|scene| scene.clouds[0].droplets.phase = Phase::Mie, &|_| ())),
-        ("sees_sun_disc", changed(&|scene| scene.clouds[0].droplets.phase = Phase::Mie, &|_| ())),
+        ("sees_disc", changed(&|scene| scene.clouds[0].droplets.phase = Phase::Mie, &|_| ())),
         (
             "absorbed",
             changed(

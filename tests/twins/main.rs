@@ -1,5 +1,5 @@
 //! Every function of `shaders/lib` against a double-precision reference written from its
-//! definition, not transcribed: a grid with edge cases, and random inputs over each regime of
+//! definition, not transcribed; functions of other shaders read, call those and store (`bound`): a grid with edge cases, and random inputs over each regime of
 //! what it may be given, the extremes among them.
 //!
 //! `cargo test` takes the first thousands of random inputs of each regime. All of them, and the
@@ -11,6 +11,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod air;
+mod bound;
 mod builtins;
 #[path = "../common/mod.rs"]
 mod common;
@@ -32,7 +33,9 @@ mod table;
 mod textbook;
 
 use harness::{Regime, Twin, error};
-use nephos::gpu::LIBRARY;
+use nephos::frame::MEDIA;
+use nephos::gpu::{ENTRY_POINTS, LIBRARY, PARTS};
+use nephos::render::Transport;
 
 /// Without a twin, with the reason.
 const ELSEWHERE: &[(&str, &str)] = &[
@@ -121,17 +124,62 @@ fn products_are_fused() -> bool {
     got[0][0] != 0.0
 }
 
+/// Names of a shader's functions, whatever attributes stand before them.
+fn functions(source: &str) -> impl Iterator<Item = &str> {
+    let code = source.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let names = code.filter_map(|line| {
+        line.split_once("fn ").filter(|(before, _)| !before.ends_with(char::is_alphanumeric))
+    });
+    names.map(|(_, rest)| rest.split('(').next().unwrap_or_default())
+}
+
+/// Modules outside of `shaders/lib`, by name or by the role that they fill.
+fn bound_modules() -> Vec<(&'static str, &'static str)> {
+    let models = Transport::all().flat_map(|transport| transport.roles().iter().copied());
+    let parts = PARTS.iter().copied().flatten().copied();
+    parts.chain(ENTRY_POINTS.iter().copied()).chain(MEDIA.iter().copied()).chain(models).collect()
+}
+
 #[test]
 fn every_shader_function_has_a_twin() {
     let twins = twins();
+    let mut without: Vec<_> = ELSEWHERE.iter().map(|(name, _)| *name).collect();
     for (module, source) in LIBRARY {
-        for line in source.lines().filter_map(|line| line.strip_prefix("fn ")) {
-            let name = line.split('(').next().unwrap_or_default();
-            let known = twins.iter().any(|twin| twin.name == name)
-                || ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name);
+        for name in functions(source) {
+            let elsewhere = without.iter().position(|known| *known == name);
+            let known = twins.iter().any(|twin| twin.name == name) || elsewhere.is_some();
             assert!(known, "`{name}` of shaders/lib/{module}.wgsl has no twin");
+            elsewhere.map(|place| without.swap_remove(place));
         }
     }
+    assert!(without.is_empty(), "no functions of shaders/lib: {without:?}");
+    for twin in twins {
+        let exists = LIBRARY.iter().any(|(_, source)| functions(source).any(|name| name == twin.name));
+        assert!(exists || twin.uses == "constants", "{} is the twin of nothing", twin.name);
+    }
+}
+
+#[test]
+fn functions_with_bindings_compute_nothing_new() {
+    let mut unseen: Vec<(&str, &str)> = bound::KINDS
+        .iter()
+        .flat_map(|(_, modules)| modules.iter())
+        .flat_map(|(module, names)| names.split_whitespace().map(move |name| (*module, name)))
+        .collect();
+    let listed = unseen.clone();
+    for (module, source) in bound_modules() {
+        for name in functions(source) {
+            let known = listed.contains(&(module, name));
+            assert!(known, "`{name}` of `{module}`: what it computes belongs into shaders/lib, with a twin");
+            unseen.retain(|entry| *entry != (module, name));
+        }
+        for line in source.lines().map(|line| line.split("//").next().unwrap_or_default()) {
+            let words = || line.split(|c: char| !c.is_alphanumeric() && c != '_');
+            let formula = bound::FORMULAS.iter().find(|word| words().any(|w| w == **word));
+            assert!(formula.is_none(), "`{module}` has a formula that belongs into shaders/lib: {line}");
+        }
+    }
+    assert!(unseen.is_empty(), "listed, and in no shader: {unseen:?}");
 }
 
 #[test]
