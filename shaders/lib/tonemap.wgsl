@@ -17,8 +17,8 @@ fn soft(light: vec3f) -> vec3f {
 // Keeps hue: the brightest channel goes straight up to the shoulder, which rolls off to 1, and the
 // others with it; what is near white fades to it. By channel instead, a low sun would turn yellow,
 // for its red is cut first, and clouds would lie on the shoulder with all that they have of texture.
-const NATURAL_SLOPE: f32 = 0.52;
-const NATURAL_SHOULDER: f32 = 0.6;
+const NATURAL_SLOPE: f32 = 0.85;
+const NATURAL_SHOULDER: f32 = 0.55;
 
 fn natural_level(brightest: f32) -> f32 {
     let straight = NATURAL_SLOPE * brightest;

@@ -65,10 +65,10 @@ fn soft(x: f64) -> f64 {
     (l * (1.0 + l / (white * white)) / (1.0 + l)).min(1.0)
 }
 
-/// Straight with slope 0.52 up to 0.6, then an exponential that goes on as steep and ends at 1.
+/// Straight with slope 0.85 up to 0.55, then an exponential that goes on as steep and ends at 1.
 fn natural_level(x: f64) -> f64 {
-    let straight = 0.52 * x;
-    if straight <= 0.6 { straight } else { 1.0 - 0.4 * (-(straight - 0.6) / 0.4).exp() }
+    let straight = 0.85 * x;
+    if straight <= 0.55 { straight } else { 1.0 - 0.45 * (-(straight - 0.55) / 0.45).exp() }
 }
 
 fn srgb(x: f64) -> f64 {
@@ -177,12 +177,12 @@ fn curves() -> Vec<Twin> {
         Twin::new("natural_level", "tonemap", "return vec4f(natural_level(x[0].x));", |x| {
             one(natural_level(x[0][0]))
         })
-        .edges(line(&[0.0, 0.18, 1.0, 1.15, 1.16, 2.0, 8.0, 1e4]))
+        .edges(line(&[0.0, 0.18, 0.64, 0.65, 1.0, 2.0, 8.0, 1e4]))
         .over("all", |random| scalars([random.log(1e-6, 1e6)])),
         Twin::new("natural", "tonemap", "return vec4f(natural(x[0].xyz), 0.0);", |x| {
             let light = xyz(x[0]).max(DVec3::ZERO);
             let level = natural_level(light.max_element());
-            let white = ((level - 0.6) / 0.4).clamp(0.0, 1.0).powi(2);
+            let white = ((level - 0.55) / 0.45).clamp(0.0, 1.0).powi(2);
             three(level * (light / light.max_element()).lerp(DVec3::ONE, white))
         })
         .edges(lights())
