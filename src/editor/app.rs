@@ -10,14 +10,11 @@ use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, Viewpo
 use super::{
     Document, Session,
     actions::Action,
+    asking::{Dialog, Then},
     choosing::{Choosing, Purpose},
-    dialogs::Shortcuts,
-    files::Then,
-    form::name_widget,
+    labels::name_widget,
     notices::Notices,
-    palette::Palette,
     panels::{ObjectPanel, Outliner, PicturePanel, TimelinePanel, ViewPanel, Wish, WorldPanel},
-    recovery::Kept,
     settings::{Look, Places, Settings},
     still::{Outcome, StillJob},
     theme,
@@ -49,21 +46,6 @@ pub(super) enum Tab {
     Object,
     World,
     View,
-}
-
-/// What is open over everything else.
-#[derive(Debug)]
-pub(super) enum Dialog {
-    Welcome,
-    Recover(Vec<Kept>),
-    Unsaved(Then),
-    Changed,
-    Overwrite(Option<Then>),
-    Choosing(Choosing, Option<Then>),
-    Picture,
-    Palette(Palette),
-    Shortcuts(Shortcuts),
-    About,
 }
 
 /// The editor.

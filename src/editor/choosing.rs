@@ -10,7 +10,7 @@ use std::{
 use eframe::egui::{Context, Key, RichText, ScrollArea, TextEdit, Ui};
 use egui_phosphor::regular as icon;
 
-use super::{form::name_widget, palette::Answer, theme::modal};
+use super::{labels::name_widget, palette::Answer, theme::modal};
 
 /// What a file is chosen for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

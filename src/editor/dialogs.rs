@@ -7,7 +7,7 @@ use egui_phosphor::regular as icon;
 
 use super::{
     actions::{about, entries},
-    form::name_widget,
+    labels::name_widget,
     palette::Answer,
     recovery::Kept,
     theme::modal,

@@ -6,7 +6,8 @@ use eframe::egui::{Context, ViewportCommand};
 
 use super::{
     Document,
-    app::{Dialog, Editor},
+    app::Editor,
+    asking::{Dialog, Then},
     choosing::Purpose,
     dialogs::{self, Beginning, Changed, Recover, Unsaved},
     palette::Answer,
@@ -14,17 +15,7 @@ use super::{
     still::StillJob,
     viewport::ViewCommand,
 };
-use crate::scene::{Preset, Scene};
-
-/// What is done once there is nothing to lose.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Then {
-    New,
-    NewFrom(Preset),
-    ChooseFile,
-    Open(PathBuf),
-    Close,
-}
+use crate::scene::Scene;
 
 impl Editor {
     /// What the editor begins with.

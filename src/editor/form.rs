@@ -13,6 +13,7 @@ use glam::{DQuat, DVec3, EulerRot};
 use super::{
     Document,
     keying::{Keying, key_button},
+    labels::name_widget,
     theme::LABEL_WIDTH,
     words::{Word, word},
 };
@@ -295,11 +296,6 @@ fn reset_button(ui: &mut Ui, name: &str) -> bool {
     let response = ui.add(button).on_hover_text("Back to the default");
     name_widget(ui, &response, &format!("Reset {name}"));
     response.clicked()
-}
-
-/// Gives a widget a name that screen readers, and tests, know it by.
-pub fn name_widget(ui: &Ui, response: &Response, name: &str) {
-    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
 fn number<'a>(value: &'a mut f64, about: &Word) -> DragValue<'a> {

@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32, Painter, Pos2, Rect, Ui, vec2};
 
 use super::{
     Document,
-    form::name_widget,
+    labels::name_widget,
     tracks::{Keyed, Now},
 };
 use crate::scene::Scene;

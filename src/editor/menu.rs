@@ -9,8 +9,8 @@ use egui_phosphor::regular as icon;
 use super::{
     actions::{Action, about, entries, entry},
     app::Editor,
-    files::Then,
-    form::name_widget,
+    asking::Then,
+    labels::name_widget,
     theme::modal,
 };
 use crate::scene::Preset;

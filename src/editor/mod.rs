@@ -3,12 +3,14 @@
 
 mod actions;
 mod app;
+mod asking;
 mod choosing;
 mod dialogs;
 mod document;
 mod files;
 mod form;
 mod keying;
+mod labels;
 mod menu;
 mod notices;
 mod operations;

@@ -4,7 +4,7 @@ use eframe::egui::{Align, Context, Key, Layout, Modifiers, RichText, ScrollArea,
 
 use super::{
     actions::{Action, Entry, entries},
-    form::name_widget,
+    labels::name_widget,
     theme::modal,
 };
 

@@ -6,10 +6,10 @@ use glam::DVec3;
 use super::selection::Selection;
 use super::{
     actions::{Action, entries},
-    app::{Dialog, Editor, Tab},
+    app::{Editor, Tab},
+    asking::{Dialog, Then},
     choosing::Purpose,
     dialogs::Shortcuts,
-    files::Then,
     palette::Palette,
     viewport::{self, ViewCommand},
 };

@@ -7,7 +7,8 @@ use super::{apply, hint, section};
 use crate::{
     editor::{
         Document, EllipsoidId,
-        form::{Change, Form, name_widget},
+        form::{Change, Form},
+        labels::name_widget,
         words::choice,
     },
     scene::{

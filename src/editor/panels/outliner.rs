@@ -13,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    editor::{Document, EllipsoidId, Selection, form::name_widget},
+    editor::{Document, EllipsoidId, Selection, labels::name_widget},
     scene::Scene,
 };
 

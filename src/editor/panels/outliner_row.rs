@@ -7,7 +7,7 @@ use eframe::egui::{
 use egui_phosphor::regular as icon;
 
 use crate::{
-    editor::{Document, EllipsoidId, Selection, form::name_widget},
+    editor::{Document, EllipsoidId, Selection, labels::name_widget},
     scene::Scene,
 };
 

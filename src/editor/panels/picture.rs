@@ -6,7 +6,7 @@ use eframe::egui::{Context, DragValue, Grid, RichText, TextEdit, Ui};
 use egui_phosphor::regular as icon;
 
 use crate::{
-    editor::{form::name_widget, palette::Answer, still::Still, theme::modal},
+    editor::{labels::name_widget, palette::Answer, still::Still, theme::modal},
     render::Quality,
 };
 

@@ -6,11 +6,7 @@ use glam::DVec3;
 
 use super::{hint, sun_dial::SunDial};
 use crate::{
-    editor::{
-        Document,
-        form::{Form, name_widget},
-        words::choice,
-    },
+    editor::{Document, form::Form, labels::name_widget, words::choice},
     scene::{Sun, SunPosition},
 };
 

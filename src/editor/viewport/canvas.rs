@@ -13,6 +13,7 @@ use wgpu::{TextureFormat, TextureView};
 use super::{
     pace::{Helping, Pace},
     settings::Layer,
+    stage::Stage,
     statistics::Statistics,
     subject::Subject,
     work::{Source, Work},
@@ -36,17 +37,6 @@ const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
 
 /// Share of the time of a picture, while something moves, that may go into light.
 const LIGHT_SHARE: f64 = 0.5;
-
-/// How far the picture has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Stage {
-    /// As it was drawn while something moved.
-    Moving,
-    /// Every pixel, in preview quality.
-    Preview,
-    /// Final quality: as `nephos render` draws it.
-    Final,
-}
 
 /// A texture that egui shows.
 pub struct Screen {
@@ -284,13 +274,8 @@ impl Canvas {
     /// Sets the renderer for a stage; what it is to draw.
     fn frame(&mut self, stage: Stage, size: [u32; 2]) -> Result<Frame> {
         let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
-        let quality = match stage {
-            Stage::Moving => Quality::DRAFT,
-            Stage::Preview => Quality::PREVIEW,
-            Stage::Final => Quality::FINAL,
-        };
         let Quality { light_resolution, light_cells, .. } = self.light;
-        self.renderer.settings.quality = Quality { light_resolution, light_cells, ..quality };
+        self.renderer.settings.quality = Quality { light_resolution, light_cells, ..stage.quality() };
         self.renderer.settings.lights_at_once = self.lighting.count();
         let known = self.moment.take().filter(|(scene, _)| Arc::ptr_eq(scene, &subject.scene));
         let made = || Ok::<_, Error>((subject.scene.clone(), subject.frame(size)?));

@@ -11,11 +11,9 @@ use super::{
     lens::{Lens, pos},
     operation::{Constraint, Kind},
     settings::Tool,
-    space::axis_of,
+    space::{ARM, axis_of},
 };
 
-/// Length of an arm and radius of a ring, points.
-pub const ARM: f64 = 84.0;
 /// Radius of the ring in the plane of the screen, points.
 const SCREEN_RING: f64 = 1.22 * ARM;
 /// Corners of the squares in the planes, as shares of the arms.

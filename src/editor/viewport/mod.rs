@@ -20,6 +20,7 @@ mod pace;
 mod pick;
 mod settings;
 mod space;
+mod stage;
 mod statistics;
 mod subject;
 mod transform;

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec2, DVec3};
 use super::{
     lens::Lens,
     settings::Pivot,
-    space::{axis_of, frame_of, move_step, nearest_on_axis, pivot_of, plane_meets, short},
+    space::{ARM, axis_of, frame_of, move_step, nearest_on_axis, pivot_of, plane_meets, short},
     transform::Change,
 };
 use crate::{
@@ -313,7 +313,7 @@ impl Operation {
         if self.dragged && facing.abs() < 0.2 {
             let front = axis.cross(toward).normalize_or_zero();
             let across = DVec2::new(front.dot(lens.right), -front.dot(lens.up)).normalize_or_zero();
-            return (to - from).dot(across) / super::gizmo::ARM;
+            return (to - from).dot(across) / ARM;
         }
         let (a, b) = (from - center, to - center);
         if a.length() < 1.0 || b.length() < 1.0 {

@@ -8,6 +8,9 @@ use super::{
 };
 use crate::editor::Document;
 
+/// Length of the gizmo's arms and radius of its rings, points.
+pub const ARM: f64 = 84.0;
+
 /// One axis of a frame in the world.
 pub fn axis_of(frame: DQuat, axis: usize) -> DVec3 {
     frame * DVec3::AXES[axis]

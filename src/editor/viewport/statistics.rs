@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::canvas::Stage;
+use super::stage::Stage;
 use crate::{gpu::PassTime, render::Counts};
 
 /// What was drawn, and how long it took.
@@ -32,11 +32,7 @@ impl Statistics {
     pub(super) fn drawn(&mut self, stage: Stage, size: [u32; 2], rays: u32, spent: Duration) {
         self.resolution = size;
         self.rays = rays;
-        self.quality = match stage {
-            Stage::Moving => "draft",
-            Stage::Preview => "preview",
-            Stage::Final => "final",
-        };
+        self.quality = stage.name();
         self.ms = 1e3 * spent.as_secs_f64();
         self.pictures += 1;
     }

@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 
 use super::{
-    canvas::{Canvas, Screen, Stage},
+    canvas::{Canvas, Screen},
     error_map::{self, Numbers},
+    stage::Stage,
     subject::Subject,
 };
 use crate::{Result, export::Picture, gpu::Gpu, reference::PathTracer};

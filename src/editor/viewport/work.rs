@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{canvas::Stage, settings::Layer};
+use super::{settings::Layer, stage::Stage};
 use crate::render::{Layers, Pieces, Shown};
 
 /// Steps a ray that get the brightest colour of the cost layer.

@@ -7,7 +7,7 @@ use eframe::egui::{
 
 use super::{NAMES, Picked, drag, free_time, ruler::Scale};
 use crate::{
-    editor::{Document, form::name_widget, keying::diamond, tracks},
+    editor::{Document, keying::diamond, labels::name_widget, tracks},
     scene::{
         Timeline,
         timeline::{Curve, Key},

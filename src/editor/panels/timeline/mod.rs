@@ -9,7 +9,7 @@ use egui_phosphor::regular as icon;
 
 use self::{curves::Curves, ruler::Scale, sheet::Sheet};
 use crate::{
-    editor::{Document, form::name_widget},
+    editor::{Document, labels::name_widget},
     scene::{
         Timeline,
         timeline::{Interpolation, Key},

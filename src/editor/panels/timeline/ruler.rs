@@ -3,7 +3,7 @@
 use eframe::egui::{Align2, Painter, Rangef, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::frame_at;
-use crate::{editor::form::name_widget, scene::Timeline};
+use crate::{editor::labels::name_widget, scene::Timeline};
 
 const HEIGHT: f32 = 20.0;
 /// Least distance of two ticks with numbers, points.

@@ -4,7 +4,7 @@ use eframe::egui::{Align2, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
 use super::{NAMES, Picked, drag, free_time, ruler::Scale};
 use crate::{
-    editor::{Document, form::name_widget, keying::diamond},
+    editor::{Document, keying::diamond, labels::name_widget},
     scene::{Timeline, timeline::Key},
 };
 
