@@ -22,10 +22,8 @@ impl Shader {
         Self::from_text(device, name, entry_point(name, roles))
     }
 
-    fn from_text(device: &wgpu::Device, name: &str, mut linked: String) -> Self {
-        if has_slow_uniforms(device) {
-            linked = linked.replace("var<uniform>", "var<storage, read>");
-        }
+    fn from_text(device: &wgpu::Device, name: &str, linked: String) -> Self {
+        let linked = for_device(device, linked);
         let groups = layouts(device, &linked);
         let layouts: Vec<_> = groups.iter().map(Some).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -35,8 +33,7 @@ impl Shader {
         });
         let overrides = linked.lines().filter_map(|line| line.strip_prefix("override "));
         let overrides = overrides.filter_map(|rest| Some(rest.split_once(':')?.0.to_owned())).collect();
-        let source = wgpu::ShaderSource::Wgsl(Cow::Owned(linked));
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
+        let module = module(device, name, linked);
         Self { module, groups, layout, overrides }
     }
 
@@ -44,6 +41,16 @@ impl Shader {
     pub fn known<'a>(&self, all: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
         all.iter().filter(|(name, _)| self.overrides.iter().any(|known| known == name)).copied().collect()
     }
+}
+
+fn module(device: &wgpu::Device, name: &str, linked: String) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl(Cow::Owned(linked));
+    device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
+}
+
+/// Linked text with the kind of buffers that the driver takes well.
+fn for_device(device: &wgpu::Device, linked: String) -> String {
+    if has_slow_uniforms(device) { linked.replace("var<uniform>", "var<storage, read>") } else { linked }
 }
 
 /// Whether the driver compiles a shader again for every uniform buffer that it is given: Mesa's
@@ -115,7 +122,7 @@ impl ComputeProgram {
     /// which bind only what those use.
     pub fn from_source(device: &wgpu::Device, name: &'static str, linked: String) -> Self {
         let workgroup_size = workgroup_size(&linked);
-        let module = Shader::from_text(device, name, linked).module;
+        let module = module(device, name, for_device(device, linked));
         Self { pipeline: compute_pipeline(device, name, &module, None, &[]), name, workgroup_size }
     }
 

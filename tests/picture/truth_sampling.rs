@@ -25,14 +25,14 @@ use nephos::{
 const BINS: usize = 192;
 const AZIMUTHS: usize = 64;
 
-/// Runs the shader's own functions under another `main`, which counts into `counts` and notes values
+/// Runs the shader's own functions under another `main`, which counts into `tally` and notes values
 /// of the phase function at the middles of the bins in `values`.
 fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>) {
     let source = ENTRY_POINTS.iter().find(|(name, _)| *name == "path").unwrap().1;
     let (functions, _) = source.split_once("@compute").unwrap();
     let source = format!(
         "{functions}
-        @group(0) @binding(17) var<storage, read_write> counts: array<atomic<u32>>;
+        @group(0) @binding(17) var<storage, read_write> tally: array<atomic<u32>>;
         @group(0) @binding(18) var<storage, read_write> values: array<vec4f>;
         @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
             random_state = hash_random(id.x, 0u, 5u);
@@ -42,9 +42,9 @@ fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>)
             for (var i = 0u; i < 512u; i++) {{
                 let after = scattered(0u, {channel}u, before);
                 let bin = min(u32(phase_coordinate(before, after) * {BINS}.0), {BINS}u - 1u);
-                atomicAdd(&counts[bin], 1u);
+                atomicAdd(&tally[bin], 1u);
                 let azimuth = fract(atan2(dot(after, v), dot(after, u)) / (2.0 * PI) + 1.0);
-                atomicAdd(&counts[{BINS}u + min(u32(azimuth * {AZIMUTHS}.0), {AZIMUTHS}u - 1u)], 1u);
+                atomicAdd(&tally[{BINS}u + min(u32(azimuth * {AZIMUTHS}.0), {AZIMUTHS}u - 1u)], 1u);
             }}
             if id.x < {BINS}u {{
                 let x = (f32(id.x) + 0.5) / {BINS}.0;
@@ -132,7 +132,7 @@ fn free_paths() -> Vec<u32> {
     let (functions, _) = source.split_once("@compute").unwrap();
     let source = format!(
         "{functions}
-        @group(0) @binding(17) var<storage, read_write> counts: array<atomic<u32>>;
+        @group(0) @binding(17) var<storage, read_write> tally: array<atomic<u32>>;
         @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3u) {{
             random_state = hash_random(id.x, 0u, 9u);
             for (var i = 0u; i < 128u; i++) {{
@@ -149,7 +149,7 @@ fn free_paths() -> Vec<u32> {
                         break;
                     }}
                 }}
-                atomicAdd(&counts[min(u32(through * {FREE_PATHS}.0), {FREE_PATHS}u - 1u)], 1u);
+                atomicAdd(&tally[min(u32(through * {FREE_PATHS}.0), {FREE_PATHS}u - 1u)], 1u);
             }}
         }}"
     );
