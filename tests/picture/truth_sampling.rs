@@ -25,7 +25,7 @@ use nephos::{
 const BINS: usize = 192;
 const AZIMUTHS: usize = 64;
 
-/// Runs the shader's own functions under another `main`, which counts into `counts` and notes values
+/// Runs the shader's own functions under another `main`, which counts into `tally` and notes values
 /// of the phase function at the middles of the bins in `values`.
 fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>) {
     let source = ENTRY_POINTS.iter().find(|(name, _)| *name == "path").unwrap().1;
