@@ -10,4 +10,4 @@ mod slab;
 pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
-pub use slab::{slab_functions, slab_moments, slab_radiance};
+pub(crate) use slab::SlabFile;

@@ -17,6 +17,7 @@ pub mod collector;
 pub mod compare;
 pub mod depths;
 pub mod direct;
+mod embedded;
 pub mod functions;
 mod least_squares;
 pub mod medium;
@@ -28,6 +29,7 @@ pub mod spread;
 pub mod study;
 pub mod walks;
 
+pub use embedded::{slab_functions, slab_moments, slab_radiance};
 pub use medium::Medium;
 pub use solve::{Beam, Field, Solver};
 
