@@ -13,8 +13,9 @@ use nephos::optics::slab::walks::{self, Deflection, Walks};
 use nephos::optics::slab::{
     Beam, Field, Medium, SETS, Solver, angles::Quadrature, axes, collector, moments, spread,
 };
+use nephos::optics::slab::{slab_functions, slab_moments, slab_radiance};
 use nephos::scene::Droplets;
-use nephos::tables::{Grid, slab_functions, slab_moments, slab_radiance};
+use nephos::tables::Grid;
 use plotters::prelude::*;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;

@@ -6,7 +6,6 @@ use std::sync::OnceLock;
 use half::f16;
 
 use super::bytes::{Reader, seal, whole};
-use crate::optics::phase::Tabulated;
 use crate::{Error, Result};
 
 /// Name of the table's file in `tables/`.
@@ -28,9 +27,9 @@ pub struct MieTable {
     pub effective_radius_um: f64,
     /// Scattering angles in radians, rising from 0 to pi, not evenly spaced.
     pub theta: Vec<f64>,
-    /// Phase functions in 1/sr at these angles. They integrate to 1 over the
-    /// sphere, exactly so when ln P is taken as linear between the angles, as
-    /// [`Tabulated`] does; with P itself linear the integral is 1 within 1e-3.
+    /// Phase functions in 1/sr at these angles, with the rounding of half floats:
+    /// with ln P linear between the angles they integrate to 1 over the sphere
+    /// within 1e-3. [`crate::optics::phase::Phase::mie`] normalises them.
     pub phase: [Vec<f64>; 3],
     /// Extinction cross section over geometric cross section.
     pub q_ext: [f64; 3],
@@ -125,12 +124,9 @@ impl MieTables {
             nodes.iter().map(|(entry, weight)| weight * value(entry)).sum()
         };
         let theta = self.theta();
-        let mut phase: [Vec<f64>; 3] = Default::default();
-        for (channel, phase) in phase.iter_mut().enumerate() {
-            let raw =
-                (0..theta.len()).map(|i| mix(&|entry| entry.phase[channel][i].to_f64().ln()).exp()).collect();
-            *phase = Tabulated::new(theta.clone(), raw)?.values();
-        }
+        let phase = std::array::from_fn(|channel| {
+            (0..theta.len()).map(|i| mix(&|entry| entry.phase[channel][i].to_f64().ln()).exp()).collect()
+        });
         Ok(MieTable {
             effective_radius_um,
             phase,

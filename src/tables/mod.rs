@@ -12,4 +12,4 @@ pub(crate) use bytes::checksum;
 pub use grid::{Axis, Grid, Grids};
 pub use mie::{MieEntry, MieTable, MieTables, mie};
 #[cfg(feature = "slabs")]
-pub use slab::{slab_functions, slab_moments, slab_radiance};
+pub(crate) use slab::SlabFile;

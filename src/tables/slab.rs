@@ -1,60 +1,37 @@
 //! Multiple scattering in slabs: `tables/slab_*.bin`.
 
-use std::sync::OnceLock;
+use super::Grids;
 
-use super::{Grid, Grids};
-use crate::optics::slab::{collector::Collector, direct::Direct, functions::Functions, moments};
-use crate::{Error, Result};
-
-/// Names of the files in `tables/`.
-const MOMENTS: &str = "slab_moments.bin";
-const RADIANCE: &str = "slab_radiance.bin";
-const FUNCTIONS: &str = "slab_functions.bin";
-
-type Decoded<T> = OnceLock<std::result::Result<T, String>>;
-
-/// The source moments of slabs of cloud droplets: [`crate::optics::slab::moments`] tells what
-/// its numbers are.
-///
-/// # Errors
-/// [`Error::Table`] where the embedded file is damaged.
-pub fn slab_moments() -> Result<&'static Grid> {
-    static DECODED: Decoded<Grid> = OnceLock::new();
-    let bytes = include_bytes!("../../tables/slab_moments.bin");
-    once(&DECODED, MOMENTS, bytes, moments::of)
+/// A file of numbers about slabs; [`crate::optics::slab`] knows what they are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum SlabFile {
+    /// Moments of the source.
+    Moments,
+    /// The direct table of the radiance.
+    Radiance,
+    /// Fitted functions of the radiance and of where light entered.
+    Functions,
 }
 
-/// The direct table of C.
-///
-/// # Errors
-/// [`Error::Table`] where the embedded file is damaged.
-pub fn slab_radiance() -> Result<&'static Direct> {
-    static DECODED: Decoded<Direct> = OnceLock::new();
-    once(&DECODED, RADIANCE, include_bytes!("../../tables/slab_radiance.bin"), Direct::of)
-}
+impl SlabFile {
+    /// Its name in `tables/`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Moments => "slab_moments.bin",
+            Self::Radiance => "slab_radiance.bin",
+            Self::Functions => "slab_functions.bin",
+        }
+    }
 
-/// Bouthors' functions of C and of where light entered.
-///
-/// # Errors
-/// [`Error::Table`] where the embedded file is damaged.
-pub fn slab_functions() -> Result<&'static (Functions, Collector)> {
-    static DECODED: Decoded<(Functions, Collector)> = OnceLock::new();
-    once(&DECODED, FUNCTIONS, include_bytes!("../../tables/slab_functions.bin"), |grids| {
-        Functions::of(grids).zip(Collector::of(grids))
-    })
-}
-
-/// Decodes a file when it is first asked for.
-fn once<T>(
-    decoded: &'static Decoded<T>,
-    name: &'static str,
-    bytes: &[u8],
-    of: impl FnOnce(&Grids) -> Option<T>,
-) -> Result<&'static T> {
-    let read = || {
-        let grids = Grids::read(bytes)?;
-        of(&grids).ok_or_else(|| "has other tables or axes than this program reads".to_owned())
-    };
-    let damaged = |problem: &String| Error::Table { name, problem: problem.clone() };
-    decoded.get_or_init(read).as_ref().map_err(damaged)
+    /// The grids in it.
+    ///
+    /// # Errors
+    /// What is wrong with it, without its name.
+    pub fn read(self) -> Result<Grids, String> {
+        Grids::read(match self {
+            Self::Moments => include_bytes!("../../tables/slab_moments.bin"),
+            Self::Radiance => include_bytes!("../../tables/slab_radiance.bin"),
+            Self::Functions => include_bytes!("../../tables/slab_functions.bin"),
+        })
+    }
 }

@@ -14,11 +14,10 @@ use nephos::{
     optics::{
         peak::Chopped,
         phase::Phase,
-        slab::{Beam, Medium, SETS, Solver, moments},
+        slab::{Beam, Medium, SETS, Solver, moments, slab_moments},
     },
     render::{Frame, Quality, Renderer, Transport},
     scene::{Preset, Projection, Scene, SunPosition},
-    tables,
 };
 
 /// A flat cloud, 200 m thick where the camera looks, seen along -`to_eye`.
@@ -127,7 +126,7 @@ fn a_slab_costs_at_most_thirty_reads_at_each_of_its_points() {
 
 #[test]
 fn the_shader_reads_the_table_as_the_reference_does() {
-    let table = tables::slab_moments().unwrap();
+    let table = slab_moments().unwrap();
     let mut inputs = Vec::new();
     for orders in 0..SETS {
         for thickness in [0.01_f32, 0.05, 0.7, 13.0, 400.0, 900.0] {

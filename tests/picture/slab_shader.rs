@@ -5,9 +5,8 @@ use crate::common;
 use common::{evaluate, evaluate_bound, gpu};
 use nephos::gpu::linear_clamp;
 use nephos::optics::slab::samples::{View, view_coordinate};
-use nephos::optics::slab::{SETS, axes, direct, spread};
+use nephos::optics::slab::{SETS, axes, direct, slab_functions, slab_radiance, spread};
 use nephos::render::{DirectTextures, FunctionTextures};
-use nephos::tables::{slab_functions, slab_radiance};
 use wgpu::BindingResource::{Sampler, TextureView};
 
 /// WGSL that makes the view of two inputs; the set is the last number but one.

@@ -4,7 +4,10 @@ use half::f16;
 use nephos::optics::slab::SETS;
 use nephos::optics::slab::check::{Tables, run};
 use nephos::optics::slab::samples::View;
-use nephos::tables::{Grids, slab_functions, slab_radiance};
+use nephos::{
+    optics::slab::{slab_functions, slab_radiance},
+    tables::Grids,
+};
 
 const FILES: [(&str, &[u8]); 3] = [
     ("slab_moments.bin", include_bytes!("../../tables/slab_moments.bin")),

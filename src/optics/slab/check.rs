@@ -11,8 +11,8 @@ use super::samples::{SLABS, beam, sample};
 use super::study::{DEGREE, MOMENT_MODES, droplets};
 use super::walks::{self, Deflection, Walks};
 use super::{Beam, Medium, SETS, Solver, compare, functions::Functions, moments};
-use crate::tables::{Grid, slab_functions, slab_moments, slab_radiance};
-use crate::{Error, Result};
+use super::{slab_functions, slab_moments, slab_radiance};
+use crate::{Error, Result, tables::Grid};
 
 /// Half of a half float's last digit, relative, and a little for another platform's rounding.
 const HALF: f64 = 6e-4;

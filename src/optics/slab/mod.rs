@@ -18,6 +18,8 @@ pub mod collector;
 pub mod compare;
 pub mod depths;
 pub mod direct;
+#[cfg(feature = "slabs")]
+mod embedded;
 pub mod functions;
 mod least_squares;
 pub mod medium;
@@ -29,6 +31,8 @@ pub mod spread;
 pub mod study;
 pub mod walks;
 
+#[cfg(feature = "slabs")]
+pub use embedded::{slab_functions, slab_moments, slab_radiance};
 pub use medium::Medium;
 pub use solve::{Beam, Field, Solver};
 

@@ -6,8 +6,8 @@ use wgpu::TextureView;
 
 use crate::{
     Result, gpu,
-    optics::slab::SETS,
-    tables::{Grid, slab_functions, slab_moments, slab_radiance},
+    optics::slab::{SETS, slab_functions, slab_moments, slab_radiance},
+    tables::Grid,
 };
 
 /// The source moments: x the sun, y the depth, z the thickness within a half of the numbers
