@@ -37,7 +37,7 @@
 //! | [`scene`] | what an artist describes: plain, validated data, presets, timeline |
 //! | [`frame`] | one moment of it as the GPU takes it: what is there |
 //! | [`render`] | the real-time renderer: what light that receives, what is seen of it |
-//! | [`reference`] | the path tracer over the same density: truth |
+//! | [`mod@reference`] | the path tracer over the same density: truth |
 //! | [`optics`], [`tables`] | what droplets do with light, in double precision, and what was made of it |
 //! | [`gpu`] | device, linking of shaders, textures, read-back |
 //! | `export`, `import`, `measure` | with features of these names: files for others, of others, errors against truth |
