@@ -4,6 +4,7 @@
 mod boxes;
 mod bricks;
 mod field;
+mod inputs;
 mod model;
 mod models;
 mod occluders;
@@ -21,10 +22,11 @@ pub use boxes::LightBox;
 pub(crate) use bricks::BRICK;
 #[cfg(test)]
 pub use field::FieldUniform;
+pub(super) use inputs::Inputs;
 pub use model::Transport;
 #[cfg(test)]
 pub use prepare::LightUniform;
-pub(super) use prepare::{Binding, CloudLight, Inputs};
+pub(super) use prepare::{Binding, CloudLight};
 #[cfg(feature = "slabs")]
 pub use slab_tables::{DirectTextures, FunctionTextures};
 pub(super) use store::LightStore;

@@ -7,8 +7,8 @@ use std::{
 
 use wgpu::TextureView;
 
-use super::{CloudLight, models};
-use crate::{Error, Result, frame::medium::SpeciesTextures, gpu::Role};
+use super::CloudLight;
+use crate::{Result, frame::medium::SpeciesTextures, gpu::Role};
 
 /// A model of the light inside clouds: one file in `models`, one in `shaders/light`.
 pub(in crate::render) struct Model {
@@ -110,27 +110,6 @@ pub(super) fn no_tables(_: &wgpu::Device, _: &wgpu::Queue) -> Result<Vec<Texture
 pub struct Transport(pub(in crate::render) &'static Model);
 
 impl Transport {
-    /// All of them, the simplest first.
-    pub fn all() -> impl ExactSizeIterator<Item = Self> {
-        models::MODELS.iter().map(|model| Self(model))
-    }
-
-    /// Names and models, in the same order.
-    pub fn entries() -> Vec<(&'static str, Self)> {
-        Self::all().map(|transport| (transport.name(), transport)).collect()
-    }
-
-    /// The one called `name`.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] where there is none: the message lists those that there are.
-    pub fn named(name: &str) -> Result<Self> {
-        Self::all().find(|transport| transport.name() == name).ok_or_else(|| {
-            let names: Vec<_> = Self::all().map(Self::name).collect();
-            Error::Argument(format!("there is no model of light `{name}`: take one of {}", names.join(", ")))
-        })
-    }
-
     /// Its name, as on the command line.
     pub fn name(self) -> &'static str {
         self.0.name
@@ -144,13 +123,6 @@ impl Transport {
     /// What fills the roles of the march's shader for it.
     pub fn roles(self) -> &'static [Role<'static>] {
         self.0.roles
-    }
-}
-
-impl Default for Transport {
-    /// `moments`, the most accurate.
-    fn default() -> Self {
-        Self::MOMENTS
     }
 }
 
@@ -177,20 +149,5 @@ impl fmt::Debug for Transport {
 impl fmt::Display for Transport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn models_are_found_by_name_and_others_are_told_what_there_is() {
-        for transport in Transport::all() {
-            assert_eq!(Transport::named(transport.name()).unwrap(), transport);
-            assert!(!transport.about().is_empty());
-        }
-        let message = Transport::named("radiosity").unwrap_err().to_string();
-        assert!(message.contains("radiosity") && message.contains("moments"), "{message}");
     }
 }

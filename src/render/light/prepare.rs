@@ -1,12 +1,13 @@
 //! The light of one cloud: what it is made for, what it holds, and how a model of light binds it.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use wgpu::{BindGroup, TextureView};
 
 use super::{
     boxes::LightBox,
     field::{Field, FieldKey, FieldPass},
-    model::{Needs, Parts, Transport},
+    inputs::Inputs,
+    model::{Parts, Transport},
     occluders::Occluder,
     openness::{Openness, OpennessPass},
     plan::Detail,
@@ -14,19 +15,9 @@ use super::{
 };
 use crate::{
     frame::{CloudFrame, SkySettings, medium::SpeciesTextures},
-    gpu::{self, Timing},
-    render::{medium::Media, sky::Sky},
+    gpu,
+    render::medium::Media,
 };
-
-/// What the passes share.
-pub(in crate::render) struct Inputs<'a> {
-    pub device: &'a wgpu::Device,
-    pub to_sun: DVec3,
-    pub needs: Needs,
-    pub lit_by_sky: bool,
-    pub sky: &'a Sky,
-    pub timing: Option<&'a Timing>,
-}
 
 /// What a cloud's light is made for; where that is the same, so is the light.
 #[derive(Clone, PartialEq)]

@@ -4,9 +4,10 @@
 use std::collections::{HashMap, VecDeque};
 
 use super::{
+    inputs::Inputs,
     occluders::{Occluder, occluders},
     plan::{allowance, plan},
-    prepare::{CloudLight, Inputs, LightPass, Wanted},
+    prepare::{CloudLight, LightPass, Wanted},
 };
 use crate::{
     frame::{CloudFrame, Frame},

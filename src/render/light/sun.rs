@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 use wgpu::TextureView;
 
-use super::{boxes::LightBox, bricks::Bricks, occluders::Occluder, prepare::Inputs};
+use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs, occluders::Occluder};
 use crate::{
     frame::{
         Shared,

@@ -3,6 +3,7 @@
 
 mod counts;
 mod tiles;
+mod variant;
 pub(super) mod voxels;
 
 use std::{collections::HashMap, ops::Range};
@@ -16,6 +17,9 @@ pub use counts::Counts;
 pub(crate) use tiles::Tile;
 pub(super) use tiles::{Cover, MANY};
 
+pub use variant::Variant;
+use variant::{pipeline, variant};
+
 use super::{
     SceneDepth, Settings, Transport,
     light::{Binding, LightStore},
@@ -27,7 +31,7 @@ use crate::{
         CameraUniform, CloudFrame, Frame, Shared,
         medium::{Species, SpeciesTextures},
     },
-    gpu::{self, Pack, Place, Role, Shader},
+    gpu::{self, Pack, Place, Shader},
 };
 
 /// `Cloud` of `shaders/march.wgsl`.
@@ -48,49 +52,6 @@ pub struct CloudUniform {
     pub(crate) lit_at_once: f32,
     padding: [f32; 2],
     pub(crate) scene_depth: [f32; 4],
-}
-
-/// What the march is compiled for: what a scene does not use is left out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Variant {
-    /// The model of light.
-    pub transport: Transport,
-    /// The entry function.
-    pub entry: &'static str,
-    medium: Role<'static>,
-    counting: bool,
-    atmosphere: bool,
-    aerial: bool,
-    sky_light: bool,
-    scene_depth: bool,
-    peak: bool,
-    absorbing: bool,
-    light_nodes: u32,
-    max_steps: u32,
-}
-
-impl Variant {
-    /// What fills the shader's roles.
-    pub fn roles(&self) -> Vec<Role<'static>> {
-        [&[self.medium], self.transport.roles()].concat()
-    }
-
-    /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 10] {
-        let flag = |on: bool| f64::from(u8::from(on));
-        [
-            ("COUNTING", flag(self.counting)),
-            ("ATMOSPHERE", flag(self.atmosphere)),
-            ("AERIAL", flag(self.aerial)),
-            ("SKY_LIGHT", flag(self.sky_light)),
-            ("SCENE_DEPTH", flag(self.scene_depth)),
-            ("NORMALS", flag(self.entry == "normals")),
-            ("PEAK", flag(self.peak)),
-            ("ABSORBING", flag(self.absorbing)),
-            ("LIGHT_NODES", f64::from(self.light_nodes)),
-            ("MAX_STEPS", f64::from(self.max_steps)),
-        ]
-    }
 }
 
 /// What every cloud of a picture binds.
@@ -311,28 +272,6 @@ fn species_place(
     })
 }
 
-fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'static>) -> Variant {
-    let settings = shared.settings;
-    let species = &cloud.medium.species;
-    // Which way a cloud faces has nothing to do with light.
-    let lit = shared.entry != "normals";
-    let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
-    Variant {
-        transport: settings.transport,
-        entry: shared.entry,
-        medium,
-        counting: settings.counting || shared.entry == "cost",
-        atmosphere: shared.sky.has_atmosphere(),
-        aerial: shared.sky.has_atmosphere() && settings.aerial,
-        sky_light: lit && shared.sky.lights(),
-        scene_depth: shared.depth.is_some(),
-        peak: lit && has_peak,
-        absorbing: species.albedo < 1.0,
-        light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),
-        max_steps: settings.quality.max_steps,
-    }
-}
-
 fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
     let (frame, quality) = (shared.frame, &shared.settings.quality);
     CloudUniform {
@@ -356,47 +295,4 @@ fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
         padding: [0.0; 2],
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
     }
-}
-
-fn pipeline(
-    device: &wgpu::Device,
-    shader: &Shader,
-    variant: &Variant,
-    format: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let overrides = shader.known(&variant.overrides());
-    let options = || wgpu::PipelineCompilationOptions {
-        constants: &overrides,
-        zero_initialize_workgroup_memory: false,
-    };
-    let target = Some(wgpu::ColorTargetState {
-        format,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        write_mask: wgpu::ColorWrites::ALL,
-    });
-    let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("clouds"),
-        layout: Some(&shader.layout),
-        vertex: wgpu::VertexState {
-            module: &shader.module,
-            entry_point: Some("quad"),
-            compilation_options: options(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader.module,
-            entry_point: Some(variant.entry),
-            compilation_options: options(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -27,7 +27,7 @@ use wgpu::TextureView;
 
 use super::{
     bricks::Bricks,
-    prepare::Inputs,
+    inputs::Inputs,
     sun::{BoxKey, volume},
 };
 use crate::{
