@@ -93,7 +93,8 @@ impl DepthVolume {
             size: plan.size,
             core: densest(ellipsoids),
             texel: UVec3::from(size).as_vec3().recip(),
-            boundary: usual_boundary(ellipsoids),
+            // Depths are told no finer than a cell.
+            boundary: usual_boundary(ellipsoids).max(plan.brick / CELLS as f32),
             slots: [slots.x, slots.y],
             rise: RISE.map(|share| share as f32),
         };
@@ -176,8 +177,9 @@ impl Plan {
             if radii.is_empty() { 1.0 } else { *radii.select_nth_unstable_by(median, f32::total_cmp).1 };
         let mut brick = (CELLS as f32 * FINEST * usual).max(extent.max_element() / LONGEST as f32);
         loop {
-            let plan = Self::of(ellipsoids, low, extent, brick);
+            let mut plan = Self::of(ellipsoids, low, extent, brick);
             if plan.stored.len() <= MOST_STORED || plan.size == UVec3::ONE {
+                plan.tell_distances();
                 return plan;
             }
             brick *= COARSER;
@@ -211,7 +213,6 @@ impl Plan {
                 STORED | (plan.stored.len() as u32 - 1)
             });
         }
-        plan.tell_distances();
         plan
     }
 
