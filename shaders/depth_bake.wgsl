@@ -1,5 +1,6 @@
 // Bakes the depth below a cloud's boundary at the corners of the cells of its bricks: of the ellipsoid
-// that is the deepest on average over the noise, with its edge. One thread a corner.
+// that is the densest on average over the noise, with its edge; of those alike, the deepest. One thread a
+// corner.
 // @use depth_volume ellipsoid
 
 struct Brick {
@@ -19,6 +20,9 @@ struct Brick {
 @group(0) @binding(3) var<storage, read> ellipsoids: array<Ellipsoid>;
 @group(0) @binding(4) var atlas: texture_storage_3d<rgba16float, write>;
 
+// Half floats end beyond, m.
+const DEEPEST: f32 = 6e4;
+
 const CORNERS: u32 = DEPTH_CORNERS * DEPTH_CORNERS * DEPTH_CORNERS;
 
 @compute @workgroup_size(64)
@@ -32,15 +36,22 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let corner = vec3u(index, index / DEPTH_CORNERS, index / (DEPTH_CORNERS * DEPTH_CORNERS)) % DEPTH_CORNERS;
     let place = vec3f(brick.place) + vec3f(corner) / f32(DEPTH_CELLS);
     let p = volume_frame.low + volume_frame.brick * place;
+    var densest = -1.0;
     var deepest = -1e30;
+    var greatest = -1e30;
     var texel = vec4f(-volume_frame.brick, 0.0, 0.0, 0.0);
     for (var i = 0u; i < brick.count; i++) {
         let e = ellipsoids[candidates[brick.first + i]];
-        let depth = ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0));
-        if depth - 0.5 * e.displacement > deepest {
-            deepest = depth - 0.5 * e.displacement;
+        let depth = clamp(ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0)), -DEEPEST, DEEPEST);
+        let mean = matter_below(edge_of(e), depth, vec2f(0.0), 0.0);
+        greatest = max(greatest, depth);
+        if mean.extinction > densest || (mean.extinction == densest && mean.depth > deepest) {
+            densest = mean.extinction;
+            deepest = mean.depth;
             texel = vec4f(depth, e.extinction, e.displacement, e.wispiness);
         }
     }
+    // Outside of all, nothing is nearer than the nearest.
+    texel.x = select(texel.x, greatest, texel.x <= 0.0);
     textureStore(atlas, depth_slot(volume_frame, number) + corner, texel);
 }

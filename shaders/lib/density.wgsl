@@ -42,7 +42,7 @@ struct Matter {
     // Distance from the deepest such boundary, or from the end of the rise behind it, m: so far
     // would the extinction stay the same, were there no noise. 0 or less where it changes.
     steady: f32,
-    // Distance all around in which there is certainly nothing, m; 0 where that is not known.
+    // Distance along the ray at hand in which there is certainly nothing, m; 0 where that is not known.
     clear: f32,
     // Species of the densest ellipsoid.
     species: u32,

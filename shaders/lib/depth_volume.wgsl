@@ -85,7 +85,7 @@ struct DepthPlace {
 fn depth_certain(volume: DepthVolume, at: DepthPlace, texel: vec4f, direction: vec3f) -> Matter {
     let kind = depth_kind(at.entry);
     if kind == DEPTH_CORE {
-        return Matter(volume.core, 1e4, volume.brick, 0.0, 0u);
+        return Matter(volume.core, 1e4, depth_clear(volume, at.place, at.brick, 1u, direction), 0.0, 0u);
     }
     if kind == DEPTH_EMPTY {
         let clear = depth_clear(volume, at.place, at.brick, depth_number(at.entry), direction);

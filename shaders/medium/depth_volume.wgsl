@@ -70,8 +70,10 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
 fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
 }
 
-// What lies ahead of `t` on the ray: all of the volume is one stretch, in which what is clear tells how
-// far it is so.
+// Bricks that one stretch of a ray is long, so that short steps are shared by what is near.
+const STRETCH: f32 = 8.0;
+
+// What lies ahead of `t` on the ray, in which what is clear tells how far it is so.
 fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stretch {
     let high = volume_frame.low + volume_frame.brick * vec3f(volume_frame.size);
     let span = box_span(volume_frame.low, high, origin, direction);
@@ -79,7 +81,8 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
         return Stretch(1e30, false, 0.0, 0.0, 0u);
     }
     let boundary = depth_boundary(volume_frame, noise_frame.frequency);
-    return Stretch(select(span.y, span.x, t < span.x), t >= span.x, 0.0, boundary, 0u);
+    let end = min(span.y, t + STRETCH * volume_frame.brick);
+    return Stretch(select(end, span.x, t < span.x), t >= span.x, 0.0, boundary, 0u);
 }
 
 // Which way the cloud faces at a point, noise left out: against the slope of the depth. Unit length at

@@ -75,7 +75,8 @@ pub(super) fn camera(
 ) -> Result<(CameraUniform, DVec3)> {
     let lens = Lens::new(&clip_from_view.as_dmat4())?;
     let axes = world_from_view.matrix3;
-    let is_rigid = (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, ROUNDING);
+    let is_rigid =
+        (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, ROUNDING) && axes.determinant() > 0.0;
     if !is_rigid || !world_from_view.translation.is_finite() {
         return Err(Error::Argument(
             "the camera's world_from_view must turn and move only: its three axes at right angles, each 1 m \

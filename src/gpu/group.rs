@@ -60,7 +60,7 @@ fn binding_type(space: &str, kind: &str) -> BindingType {
     if space.starts_with("<uniform>") {
         buffer(BufferBindingType::Uniform)
     } else if space.starts_with("<storage") {
-        buffer(BufferBindingType::Storage { read_only: !space.contains("write") })
+        buffer(BufferBindingType::Storage { read_only: !space.starts_with("<storage, read_write>") })
     } else if kind == "sampler" {
         BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
     } else if kind.starts_with("texture_storage") {

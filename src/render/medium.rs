@@ -7,7 +7,7 @@ use wgpu::{BindGroup, BindGroupLayout, TextureView};
 use crate::{
     frame::{
         Shared,
-        medium::{Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, Medium, upload_noise},
+        medium::{Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, Medium, Plan, upload_noise},
     },
     gpu::{ComputeProgram, Role, Shader, view},
 };
@@ -28,7 +28,15 @@ pub(super) struct Media {
     layouts: HashMap<&'static str, BindGroupLayout>,
     bake: Option<ComputeProgram>,
     /// By shape, with the last picture that each was in.
-    volumes: HashMap<u64, (DepthVolume, u64)>,
+    volumes: HashMap<u64, (Volume, u64)>,
+}
+
+/// The volume of depths of a shape with enough ellipsoids.
+enum Volume {
+    /// Ellipsoids are asked: bricks would be too coarse, or there is no memory left for them.
+    Unsuited,
+    Planned(Box<Plan>),
+    Baked(DepthVolume),
 }
 
 struct Kept {
@@ -41,6 +49,8 @@ struct Kept {
 
 /// Noise volumes that are kept.
 const MOST_NOISES: usize = 4;
+/// Memory of all volumes of depths, bytes: shapes beyond it are asked, ellipsoid by ellipsoid.
+const MOST_BYTES: u64 = 256 << 20;
 /// Pictures for which what is not in them is kept.
 const KEPT_FOR: u64 = 2;
 
@@ -74,9 +84,22 @@ impl Media {
         self.volumes.retain(|_, (_, picture)| *picture >= oldest);
     }
 
-    /// Whether a medium has a baked volume.
+    /// Plans the volumes of those `media` that have enough ellipsoids and none yet.
+    pub fn plan<'a>(&mut self, media: impl Iterator<Item = &'a Medium>) {
+        for medium in media.filter(|medium| medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)) {
+            let has_room = self.bytes() < MOST_BYTES;
+            let planned = || match Plan::new(&medium.ellipsoids).filter(|_| has_room) {
+                Some(plan) => Volume::Planned(Box::new(plan)),
+                None => Volume::Unsuited,
+            };
+            self.volumes.entry(medium.shape).or_insert_with(|| (planned(), 0)).1 = self.picture;
+        }
+    }
+
+    /// Whether a medium has a volume of depths.
     pub fn is_baked(&self, medium: &Medium) -> bool {
         medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)
+            && self.volumes.get(&medium.shape).is_some_and(|(volume, _)| !matches!(volume, Volume::Unsuited))
     }
 
     /// The module that fills the role of the medium.
@@ -87,13 +110,11 @@ impl Media {
     /// Makes what shaders bind for `medium`, where it is not there.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, medium: &Shared<Medium>) {
         let (role, picture) = (self.role(medium), self.picture);
-        if let Some((_, last)) = self.volumes.get_mut(&medium.shape) {
-            *last = picture;
-        }
         let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();
         let mut known = known.filter(|kept| kept.role == role && kept.medium == *medium);
         if let Some(kept) = known.next() {
-            kept.picture = picture;
+            // The next comparison is one of pointers.
+            (kept.picture, kept.medium) = (picture, medium.clone());
             return;
         }
         drop(known);
@@ -112,7 +133,11 @@ impl Media {
 
     /// Memory of all baked volumes, bytes.
     pub fn bytes(&self) -> u64 {
-        self.volumes.values().map(|(volume, _)| volume.bytes()).sum()
+        let bytes = |(volume, _): &(Volume, u64)| match volume {
+            Volume::Baked(volume) => volume.bytes(),
+            Volume::Unsuited | Volume::Planned(_) => 0,
+        };
+        self.volumes.values().map(bytes).sum()
     }
 
     fn bind(
@@ -132,16 +157,23 @@ impl Media {
                 groups.into_iter().nth(1).flatten().expect("a medium binds what is there")
             })
             .clone();
-        if !self.is_baked(medium) {
+        let Some((volume, _)) = self.volumes.get_mut(&medium.shape).filter(|_| role == DEPTH_VOLUME) else {
             return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);
-        }
-        let program = self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
-        let (volume, _) = self.volumes.entry(medium.shape).or_insert_with(|| {
+        };
+        if let Volume::Planned(plan) = volume {
+            let program =
+                self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
             self.baked += 1;
-            let bricks = DepthVolume::bake(&self.device, &self.queue, encoder, program, &medium.ellipsoids);
-            (bricks, self.picture)
-        });
-        common.bind_depths(&self.device, &layout, volume)
+            let (device, queue) = (&self.device, &self.queue);
+            *volume =
+                Volume::Baked(DepthVolume::bake(device, queue, encoder, program, &medium.ellipsoids, plan));
+        }
+        match volume {
+            Volume::Baked(volume) => common.bind_depths(&self.device, &layout, volume),
+            Volume::Unsuited | Volume::Planned(_) => {
+                common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids)
+            }
+        }
     }
 
     fn noise_volume(&mut self, seed: u32) -> TextureView {

@@ -72,6 +72,29 @@ fn a_baked_cloud_looks_like_its_ellipsoids() {
 }
 
 #[test]
+fn lumps_of_other_density_within_others_are_baked_as_the_densest() {
+    let mut heap = heap(200, r#"{"boundary": 20, "wispiness": 0.1}"#);
+    let mut veil = Ellipsoid::new(DVec3::new(0.0, 1150.0, 0.0), DVec3::new(700.0, 400.0, 700.0));
+    veil.density = 0.02;
+    heap.clouds[0].ellipsoids.push(veil);
+    let drawn = |from| draw(&mut baking(from, Transport::SINGLE), &heap, SIZE, false);
+    let found = difference(&drawn(u32::MAX), &drawn(1));
+    assert!(found < 0.04, "{found}");
+}
+
+#[test]
+fn clouds_too_large_for_a_volume_that_tells_their_lumps_ask_each() {
+    let mut long = heap(60, r#"{"boundary": 30, "wispiness": 0.2}"#);
+    for (i, ellipsoid) in (0u32..).zip(&mut long.clouds[0].ellipsoids) {
+        ellipsoid.center.x += 800.0 * f64::from(i);
+    }
+    let mut renderer = baking(1, Transport::SINGLE);
+    let picture = draw(&mut renderer, &long, SIZE, false);
+    assert_eq!(renderer.volumes_baked(), 0);
+    assert_eq!(picture.pixels, draw(&mut baking(u32::MAX, Transport::SINGLE), &long, SIZE, false).pixels);
+}
+
+#[test]
 fn a_baked_sphere_dims_by_beer_and_lambert() {
     let mut sphere = heap(1, r#"{"boundary": 0, "wispiness": 0}"#);
     sphere.clouds[0].droplets.concentration_per_cm3 = 20.0;
@@ -105,7 +128,6 @@ fn a_shape_is_baked_once_and_only_where_it_has_enough_ellipsoids() {
     cloud.camera.as_mut().unwrap().position.x += 100.0;
     assert_eq!(baked(&cloud), (1, true), "a camera bakes nothing");
     cloud.noise.offset.x += 30.0;
-    cloud.clouds[0].droplets.concentration_per_cm3 *= 1.0;
     assert_eq!(baked(&cloud), (1, true), "noise that drifts bakes nothing");
     cloud.clouds[0].ellipsoids[7].center.y += 20.0;
     assert_eq!(baked(&cloud), (2, true), "another shape");

@@ -133,7 +133,12 @@ fn clear_place(random: &mut Random) -> Input {
 
 /// The way to the nearest wall of the cube of empty bricks around the place's own.
 fn clear_way(x: &Wide) -> f64 {
-    let (place, far, direction, brick) = (xyz(x[0]), x[0][3], xyz(x[1]), xyz(x[2]));
+    clear_within(x, x[0][3])
+}
+
+/// The same of a cube of so many bricks each way.
+fn clear_within(x: &Wide, far: f64) -> f64 {
+    let (place, direction, brick) = (xyz(x[0]), xyz(x[1]), xyz(x[2]));
     let ways = (0..3).map(|i| {
         let wall = if direction[i] > 0.0 { brick[i] + far } else { brick[i] + 1.0 - far };
         (wall - place[i]) / direction[i]
@@ -149,7 +154,8 @@ const CERTAIN: &str = "let at = DepthPlace(x[0].xyz, x[2].xyz, u32(x[4].x) << 30
 fn certain(x: &Wide) -> Output {
     match (x[4][0] as u32, x[3][0]) {
         (0, _) => [0.0, -40.0, 0.0, clear_way(x)],
-        (1, _) => [f64::from(0.05f32), 1e4, 40.0, 0.0],
+        // Steady up to the wall of its own brick.
+        (1, _) => [f64::from(0.05f32), 1e4, clear_within(x, 1.0), 0.0],
         (_, depth) if depth > 0.0 => [-1.0, depth, 0.0, 0.0],
         (_, depth) => [0.0, depth, 0.0, -depth],
     }

@@ -22,9 +22,13 @@ pub(crate) const CELLS: u32 = 8;
 const CORNERS: u32 = CELLS + 1;
 /// Most bricks of an atlas: 12 MiB of it.
 const MOST_STORED: usize = 2048;
-/// Most bricks along an axis, and a cell's edge as a share of the median lump's smallest radius.
+/// Most bricks along an axis.
 const LONGEST: u32 = 96;
+/// A cell's edge as a share of the smallest radius of most lumps (the lower quartile), at best and at worst.
 const FINEST: f32 = 1.0 / 6.0;
+const COARSEST: f32 = 0.4;
+/// Most entries of the lists of all bricks: 16 MiB.
+const MOST_ENTRIES: f32 = (1 << 22) as f32;
 /// From one size of bricks to the next larger one that is tried.
 const COARSER: f32 = 1.2;
 /// Kinds of bricks, in the two highest bits of an entry.
@@ -58,9 +62,11 @@ pub struct BrickUniform {
 }
 
 /// What is to be baked.
-struct Plan {
+pub(crate) struct Plan {
+    /// Least corner, and edge of a brick, m.
     low: Vec3,
     brick: f32,
+    /// Bricks along each axis.
     size: UVec3,
     /// By brick, x fastest.
     index: Vec<u32>,
@@ -76,15 +82,15 @@ pub(crate) struct DepthVolume {
 }
 
 impl DepthVolume {
-    /// Records the baking of `ellipsoids`.
+    /// Records the baking of `ellipsoids` by their plan.
     pub fn bake(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         program: &ComputeProgram,
         ellipsoids: &[EllipsoidUniform],
+        plan: &Plan,
     ) -> Self {
-        let plan = Plan::new(ellipsoids);
         let slots = slots(plan.stored.len());
         let size = (slots * CORNERS).to_array();
         let uniform = DepthVolumeUniform {
@@ -117,7 +123,7 @@ impl DepthVolume {
         let groups = (plan.stored.len() as u32 * CORNERS.pow(3)).div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS).max(1);
         program.dispatch(encoder, &[&group], [groups.div_ceil(rows), rows, 1], None);
-        Self { uniform, index: gpu::view(&index_texture(device, queue, &plan)), atlas }
+        Self { uniform, index: gpu::view(&index_texture(device, queue, plan)), atlas }
     }
 
     /// Memory of its textures, bytes.
@@ -167,23 +173,28 @@ fn index_texture(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> wgp
 }
 
 impl Plan {
-    /// The finest bricks of which an atlas holds all that must be stored.
-    fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
+    /// The finest bricks of which an atlas holds all that must be stored; none where their cells would be
+    /// too coarse to tell most lumps.
+    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Option<Self> {
         let (low, high) = EllipsoidUniform::bounds(ellipsoids);
         let extent = (high - low).max(Vec3::splat(1e-3));
         let mut radii: Vec<f32> = ellipsoids.iter().map(EllipsoidUniform::smallest_radius).collect();
-        let median = radii.len() / 2;
+        let quantile = radii.len() / 4;
         let usual =
-            if radii.is_empty() { 1.0 } else { *radii.select_nth_unstable_by(median, f32::total_cmp).1 };
+            if radii.is_empty() { 1.0 } else { *radii.select_nth_unstable_by(quantile, f32::total_cmp).1 };
+        let coarsest = COARSEST * CELLS as f32 * usual;
         let mut brick = (CELLS as f32 * FINEST * usual).max(extent.max_element() / LONGEST as f32);
-        loop {
-            let mut plan = Self::of(ellipsoids, low, extent, brick);
-            if plan.stored.len() <= MOST_STORED || plan.size == UVec3::ONE {
-                plan.tell_distances();
-                return plan;
+        while brick <= coarsest {
+            if entries(ellipsoids, brick) <= MOST_ENTRIES {
+                let mut plan = Self::of(ellipsoids, low, extent, brick);
+                if plan.stored.len() <= MOST_STORED {
+                    plan.tell_distances();
+                    return Some(plan);
+                }
             }
             brick *= COARSER;
         }
+        None
     }
 
     fn of(ellipsoids: &[EllipsoidUniform], low: Vec3, extent: Vec3, brick: f32) -> Self {
@@ -216,7 +227,7 @@ impl Plan {
         plan
     }
 
-    /// Empty bricks tell how many bricks away others are, at least: two sweeps over the grid.
+    /// Empty bricks tell how many bricks away others are, at least: each round looks one brick farther.
     fn tell_distances(&mut self) {
         let empty: Vec<bool> = self.index.iter().map(|&entry| entry < CORE).collect();
         let mut distance: Vec<u32> = empty.iter().map(|&empty| if empty { FARTHEST } else { 0 }).collect();
@@ -232,6 +243,11 @@ impl Plan {
             *entry = far;
         }
     }
+}
+
+/// Entries that lists of bricks of this edge, m, have at the most.
+fn entries(ellipsoids: &[EllipsoidUniform], brick: f32) -> f32 {
+    ellipsoids.iter().map(|e| (2.0 * e.half() / brick + 2.0).element_product()).sum()
 }
 
 /// Ellipsoids that reach into each brick or come as near as a cell, so that depths there are those
@@ -292,7 +308,7 @@ mod tests {
     #[test]
     fn every_point_of_an_ellipsoid_is_in_a_brick_that_is_not_empty_and_knows_it() {
         let ellipsoids = heap();
-        let plan = Plan::new(&ellipsoids);
+        let plan = Plan::new(&ellipsoids).unwrap();
         assert!(plan.stored.len() <= MOST_STORED && plan.stored.len() > 100, "{}", plan.stored.len());
         for i in 0..4000u32 {
             let t = (f64::from(i) + 0.5) / 4000.0;
@@ -319,7 +335,7 @@ mod tests {
 
     #[test]
     fn empty_bricks_are_as_far_from_others_as_they_tell() {
-        let plan = Plan::new(&heap());
+        let plan = Plan::new(&heap()).unwrap();
         let mut told = 0;
         for (i, &entry) in plan.index.iter().enumerate().filter(|(_, entry)| **entry < CORE) {
             let at = place(plan.size, i);

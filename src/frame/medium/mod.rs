@@ -1,5 +1,6 @@
 //! What is there: shape, noise and particles of a cloud, in the cloud's own frame. Preview, light,
-//! truth and exports ask the same module of `shaders/medium`, so that they cannot drift apart.
+//! truth and exports ask modules of `shaders/medium`: all of them the ellipsoids, and preview and light of
+//! large heaps the volume of depths that is baked from those.
 
 mod depth_volume;
 mod ellipsoids;
@@ -13,7 +14,7 @@ use glam::DVec3;
 
 #[cfg(test)]
 pub(crate) use depth_volume::{BrickUniform, CELLS, DepthVolumeUniform};
-pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume};
+pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, Plan};
 pub(crate) use ellipsoids::EllipsoidUniform;
 #[cfg(test)]
 pub(crate) use noise::FINE;

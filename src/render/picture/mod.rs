@@ -236,11 +236,16 @@ impl Renderer {
 
     /// Finds where the clouds are in the picture, and makes the light of those that are.
     fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
+        self.media.plan(frame.clouds.iter().map(|cloud| &*cloud.medium));
         let media = &self.media;
         let cover = |cloud: &CloudFrame| {
             let eye = (frame.camera_position - cloud.origin).as_vec3();
             let many = if media.is_baked(&cloud.medium) { usize::MAX } else { MANY };
-            Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many)
+            let mut cover = Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many);
+            if media.is_baked(&cloud.medium) {
+                cover.candidates.clear();
+            }
+            cover
         };
         self.covers = frame.clouds.par_iter().map(cover).collect();
         let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
