@@ -12,7 +12,8 @@ struct LightRay {
     species: Species,
 }
 
-// A piece of a ray that is lit at once. Optical depths are transport's, without the peak.
+// A piece of a ray that is lit at once. It may be optically thick, and `before` and `after` far apart:
+// models take means over it, not values in its middle. Optical depths are transport's, without the peak.
 struct LitPiece {
     // Distance of its middle, weighted by what is seen, m.
     t: f32,

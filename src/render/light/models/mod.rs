@@ -1,5 +1,5 @@
 //! The models of the light inside clouds. To add one: a file here with its `MODEL`, its module in
-//! `shaders/light`, and a line in the list below. Command line, benchmark, docs and tests read the list.
+//! `shaders/light`, and a line in the list below. Command line, benchmark and tests read the list.
 
 use super::model::{Model, Transport};
 use crate::{Error, Result};

@@ -7,7 +7,7 @@ use crate::render::light::{
 
 pub(in crate::render) static MODEL: Model = Model {
     name: "slab-bouthors-direct",
-    about: "The same from a table of the light itself: slow",
+    about: "As slab-bouthors, from a table of the light itself: slow",
     roles: &[("light", include_str!("../../../../shaders/light/slab_bouthors.wgsl")), ("slab_lookup", include_str!("../../../../shaders/light/slab_lookup_direct.wgsl"))],
     needs: Needs::SLABS,
     tables: |device, queue| {

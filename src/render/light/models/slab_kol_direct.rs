@@ -7,7 +7,7 @@ use crate::render::light::{
 
 pub(in crate::render) static MODEL: Model = Model {
     name: "slab-kol-direct",
-    about: "The same from a table of the light itself",
+    about: "As slab-kol, from a table of the light itself",
     roles: &[("light", include_str!("../../../../shaders/light/slab_kol.wgsl")), ("slab_lookup", include_str!("../../../../shaders/light/slab_lookup_direct.wgsl"))],
     needs: Needs::SLABS,
     tables: |device, queue| Ok(DirectTextures::new(device, queue)?.lookup()),
