@@ -62,7 +62,9 @@ fn used(source: &str) -> impl Iterator<Item = &str> {
 fn module<'a>(name: &str, roles: &[Role<'a>]) -> &'a str {
     let parts = PARTS.iter().copied().flatten();
     let found = roles.iter().chain(LIBRARY).chain(parts).find(|(known, _)| *known == name);
-    found.map(|(_, source)| *source).unwrap_or_else(|| panic!("no shader module and no role is `{name}`: is it in LIBRARY or PARTS of src/gpu/link.rs?"))
+    found.map(|(_, source)| *source).unwrap_or_else(|| {
+        panic!("no shader module and no role is `{name}`: is it in LIBRARY or PARTS of src/gpu/link.rs?")
+    })
 }
 
 /// The source of the entry point called `name`, with its roles filled.
