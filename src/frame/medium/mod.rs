@@ -85,6 +85,16 @@ impl Medium {
         self.ellipsoids.iter().zip(&self.centers).map(move |(e, c)| e.placed(*c + offset, species))
     }
 
+    /// The place of its species in a table, to which it is added where it is not there.
+    pub fn species_among(&self, table: &mut Vec<Shared<Species>>) -> u32 {
+        let known = table.iter().position(|known| known.is(&self.species));
+        let place = known.unwrap_or_else(|| {
+            table.push(self.species.clone());
+            table.len() - 1
+        });
+        place as u32
+    }
+
     /// Extinction of the densest ellipsoid, 1/m.
     pub fn densest(&self) -> f32 {
         self.ellipsoids.iter().fold(0.0, |most, e| e.extinction.max(most))

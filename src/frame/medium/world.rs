@@ -25,12 +25,8 @@ impl World {
         let origin = 0.5 * (low + high);
         let (mut ellipsoids, mut species) = (Vec::new(), Vec::<Shared<Species>>::new());
         for cloud in &frame.clouds {
-            let known = species.iter().position(|known| known.is(&cloud.medium.species));
-            let index = known.unwrap_or_else(|| {
-                species.push(cloud.medium.species.clone());
-                species.len() - 1
-            });
-            ellipsoids.extend(cloud.medium.moved(cloud.origin - origin, index as u32));
+            let index = cloud.medium.species_among(&mut species);
+            ellipsoids.extend(cloud.medium.moved(cloud.origin - origin, index));
         }
         let noise = NoiseFrame::new(&frame.noise, origin);
         Self { origin, ellipsoids, species, noise, seed: frame.noise.seed }

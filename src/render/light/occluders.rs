@@ -20,12 +20,7 @@ impl Occluder<'_> {
     pub fn ellipsoids(occluders: &[Self]) -> (Vec<EllipsoidUniform>, Vec<Shared<Species>>) {
         let (mut all, mut species) = (Vec::new(), Vec::<Shared<Species>>::new());
         for Self { medium, offset } in occluders {
-            let known = species.iter().position(|known| known.is(&medium.species));
-            let index = known.unwrap_or_else(|| {
-                species.push(medium.species.clone());
-                species.len() - 1
-            });
-            all.extend(medium.moved(*offset, index as u32));
+            all.extend(medium.moved(*offset, medium.species_among(&mut species)));
         }
         (all, species)
     }
