@@ -3,12 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::At;
-use super::{Bounds, Droplets, Edge, Ellipsoid, Life, union};
+use super::validate::{At, Limits};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Life, Noise, union};
 use crate::Result;
 
+const SHARE: Limits = Limits::new(0.0, 1.0, "");
+
 /// A cloud: the union of its ellipsoids, filled with droplets of one kind.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloud {
     /// A name for people; it changes nothing in the picture.
@@ -19,6 +21,22 @@ pub struct Cloud {
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
     pub edge: Edge,
+    /// How softly its ellipsoids run into one another, 0 (each keeps its shape, with creases between them)
+    /// to 1 (one smooth body), no unit.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub blend: f64,
+    /// How much of the growth of density with height it has, 0 (the same all over) to 1 (as in air that
+    /// rises without mixing: extinction grows as the height above the base to the 2/3, and is that of the
+    /// droplets at the top), no unit.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub stratification: f64,
+    /// Share of its droplets that the rim has lost to dry air, 0 to 1, no unit; deeper than twice the
+    /// boundary none are lost.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub dilution: f64,
+    /// The noise that shapes its boundary, and drifts with it; the scene's where left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// When it forms and dissolves; left out where it is there all the time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub life: Option<Life>,
@@ -28,6 +46,24 @@ pub struct Cloud {
     /// Whether editors leave it alone until it is unlocked; it changes nothing in the picture.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub locked: bool,
+}
+
+impl Default for Cloud {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            ellipsoids: Vec::new(),
+            droplets: Droplets::default(),
+            edge: Edge::default(),
+            blend: 0.5,
+            stratification: 0.0,
+            dilution: 0.0,
+            noise: None,
+            life: None,
+            hidden: false,
+            locked: false,
+        }
+    }
 }
 
 impl Cloud {
@@ -58,6 +94,12 @@ impl Cloud {
     pub(super) fn check_own(&self, at: At) -> Result<()> {
         self.droplets.check(at.field("droplets"))?;
         self.edge.check(at.field("edge"))?;
+        at.field("blend").number(self.blend, SHARE)?;
+        at.field("stratification").number(self.stratification, SHARE)?;
+        at.field("dilution").number(self.dilution, SHARE)?;
+        if let Some(noise) = &self.noise {
+            noise.check(at.field("noise"))?;
+        }
         match &self.life {
             Some(life) => life.check(at.field("life")),
             None => Ok(()),

@@ -84,7 +84,7 @@ impl Preset {
         let dice = &mut Dice::new(seed);
         let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice), ..Scene::default() };
         scene.noise =
-            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
+            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: Some(self.noise_scale()), ..Noise::default() };
         scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
