@@ -7,6 +7,8 @@ use super::validate::{At, Limits};
 use super::{Bounds, Droplets, Edge, Ellipsoid, Life, Noise, union};
 use crate::Result;
 
+/// Least part of an ellipsoid that is shown of it.
+const LEAST_SEEN: f64 = 0.2;
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 /// A cloud: the union of its ellipsoids, filled with droplets of one kind.
@@ -80,6 +82,14 @@ impl Cloud {
     /// The edge of `ellipsoid`: its own, or else the cloud's.
     pub fn edge_of<'a>(&'a self, ellipsoid: &'a Ellipsoid) -> &'a Edge {
         ellipsoid.edge.as_ref().unwrap_or(&self.edge)
+    }
+
+    /// `ellipsoid` as it is seen on average over the noise: its edge is where half of the boundary lies behind.
+    #[must_use]
+    pub fn mean_edge(&self, ellipsoid: &Ellipsoid) -> Ellipsoid {
+        let depth = 0.5 * self.edge_of(ellipsoid).boundary;
+        let least = LEAST_SEEN * ellipsoid.radii;
+        Ellipsoid { radii: (ellipsoid.radii - depth).max(least), ..ellipsoid.clone() }
     }
 
     pub(super) fn check(&self, at: At) -> Result<()> {

@@ -12,7 +12,7 @@ use crate::{
         words::choice,
     },
     scene::{
-        Cloud, Droplets, Edge, Ellipsoid, Heaps, Life, Phase,
+        Cloud, Droplets, Edge, Ellipsoid, Heaps, Life, Noise, Phase,
         timeline::{Owner, owner_path},
     },
 };
@@ -40,6 +40,7 @@ impl ObjectPanel {
             section(ui, "Grow heaps", false, |ui| self.grow(ui, document));
         }
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
+        section(ui, "Noise", false, |ui| own_noise(ui, document, index, cloud.clone()));
         section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
         section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
     }
@@ -155,6 +156,10 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
     edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
+    let default = Cloud::default();
+    form.number("Cloud.blend", "Blend", &mut cloud.blend, default.blend);
+    form.number("Cloud.stratification", "Stratification", &mut cloud.stratification, default.stratification);
+    form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
     let change = form.changed();
@@ -164,6 +169,40 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     }
     apply(document, change, |scene| scene.clouds[index] = cloud);
 }
+
+fn own_noise(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: Cloud) {
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
+    let mut own = cloud.noise.is_some();
+    form.check("Cloud.noise", "Its own noise", &mut own, false);
+    let mut noise = cloud.noise.take().unwrap_or_else(|| document.scene().noise.clone());
+    if own {
+        noise_rows(&mut form, &mut noise);
+    }
+    let change = form.changed();
+    if !own {
+        hint(ui, "It has the noise of the scene, in which it drifts.");
+    }
+    cloud.noise = own.then_some(noise);
+    apply(document, change, |scene| scene.clouds[index] = cloud);
+}
+
+/// What there is of noise, but for where it is.
+pub(super) fn noise_rows(form: &mut Form<'_>, noise: &mut Noise) {
+    let default = Noise::default();
+    form.whole("Noise.seed", "Seed", &mut noise.seed, default.seed);
+    let mut scaled = noise.scale.is_some();
+    form.check("Noise.scale", "Size in metres", &mut scaled, false);
+    noise.scale = scaled.then(|| noise.scale.unwrap_or(BILLOWS));
+    if let Some(scale) = &mut noise.scale {
+        form.slider("Noise.scale", "Billow size", scale, BILLOWS, 1.0..=1000.0);
+    }
+    form.number("Noise.dimension", "Dimension", &mut noise.dimension, default.dimension);
+    form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
+    form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
+}
+
+/// Size of the largest billows that is offered where none was told, m.
+const BILLOWS: f64 = 120.0;
 
 fn life(ui: &mut Ui, document: &mut Document, index: usize, mut life: Option<Life>) {
     let length = document.scene().timeline.as_ref().map_or(60.0, |timeline| timeline.length);
