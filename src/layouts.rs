@@ -90,7 +90,7 @@ fn structs_of_rust_and_shaders_agree() {
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
                 first_step, longest_step, growth, lit_at_once, scene_depth),
         ),
-        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, field_kept)),
+        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
         (
             "march",
             "Body",

@@ -1,5 +1,5 @@
 // The grid on which light is solved for: a box around a cloud along the axes of its frame.
-// @use attenuation constants
+// @use attenuation
 
 struct Field {
     // Least corner in the cloud's frame, m.
@@ -75,16 +75,6 @@ fn field_cell(field: Field, extinction: f32, lit: f32, open: f32) -> FieldCell {
     let mean = 0.125 * (1.0 - field.truncated) * extinction;
     let most = mean_through(field_length(field) * mean);
     return FieldCell(mean, select(0.125 * open, min(lit / extinction, most), extinction > 0.0));
-}
-
-// How much of a difference of the beam within a cell comes back as light scattered more than once: an
-// isotropic source that waves with the wave number k gives arctan(k) / k of itself back in one free path, and
-// with all orders that over 1 less it; cells are wide enough for waves of about three.
-const ANSWER: f32 = 0.7;
-
-// What a beam that differs from its cell's by this much adds to the source, 1/sr.
-fn field_answer(difference: f32) -> f32 {
-    return ANSWER * difference * INV_4PI;
 }
 
 // Where a texture that stacks `blocks` fields along z has block `block` of a point, whose

@@ -38,12 +38,9 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 
 // Source of sunlight scattered more than once, per unit of irradiance.
 fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
-    count(MAP_READS, 3u);
+    count(MAP_READS, 2u);
     let after = -ray.direction;
-    let layers = f32(textureDimensions(sun_field).z);
-    let moments = textureSampleLevel(sun_field, linear, field_coordinate(inside, layers, 0u, 2u), 0.0);
-    let beam = textureSampleLevel(sun_field, linear, field_coordinate(inside, layers, 1u, 2u), 0.0).x;
-    let solved = harmonics_low_sum(moments, after) + field_answer(exp(-light.field_kept * depth) - beam);
+    let solved = harmonics_low_sum(textureSampleLevel(sun_field, linear, inside, 0.0), after);
     let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(depth));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));

@@ -12,8 +12,7 @@ struct Light {
     // Mean free path of transport in the densest core, m.
     mean_free_path: f32,
     field_scale: vec3f,
-    // Share of the extinction, without the forward peak, that the field takes as scattered.
-    field_kept: f32,
+    padding: f32,
 }
 
 @group(2) @binding(0) var<uniform> light: Light;

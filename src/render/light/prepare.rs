@@ -67,7 +67,7 @@ pub struct LightUniform {
     pub(crate) field_low: Vec3,
     pub(crate) mean_free_path: f32,
     pub(crate) field_scale: Vec3,
-    pub(crate) field_kept: f32,
+    padding: f32,
 }
 
 impl CloudLight {
@@ -129,7 +129,7 @@ impl CloudLight {
             field_low: low,
             mean_free_path: 1.0 / (densest * (1.0 - medium.species.truncated)),
             field_scale: extent.recip(),
-            field_kept: 1.0 - medium.species.droplets.albedo as f32 * medium.species.ahead,
+            padding: 0.0,
         }
     }
 }

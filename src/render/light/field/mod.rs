@@ -220,14 +220,13 @@ impl Solver<'_> {
         let lowest = self.uniform(most).scattering.min_element();
         let relaxations = relaxations(f64::from(lowest))
             .map(|relaxation| gpu::uniform_buffer(device, "relaxation", &relaxation));
-        let mut before: Option<(Level, wgpu::Buffer)> = None;
+        let mut before: Option<Level> = None;
         for &size in &sizes {
             let level = Level::new(device, self.uniform(size));
             let medium = self.medium(compute, &level);
             let buffers = [&medium, radiance, source];
             let repeats = if before.is_none() { repeats } else { 1 };
-            let coarse = before.as_ref().map(|(level, _)| level);
-            let start = self.round(&self.pass.start, &level, coarse, buffers, &relaxations[0]);
+            let start = self.round(&self.pass.start, &level, before.as_ref(), buffers, &relaxations[0]);
             self.scatter(compute, &self.pass.start, &level, &start);
             let sweep = self.sweep(&level, buffers);
             let rounds =
@@ -236,7 +235,7 @@ impl Solver<'_> {
                 self.pass.sweep.record(compute, &[&sweep], [DIRECTIONS as u32, self.lights.count(), 1]);
                 self.scatter(compute, &self.pass.scatter, &level, round);
             }
-            before = Some((level, medium));
+            before = Some(level);
         }
         self.store(compute, before.as_ref())
     }
@@ -352,14 +351,12 @@ impl Solver<'_> {
         program.record_over(compute, &[group], [cells(&level.uniform), self.lights.count(), 1]);
     }
 
-    /// The moments of the finest level, and on top of the sun's what reaches its cells of the beam.
-    fn store(&self, compute: &mut wgpu::ComputePass<'_>, finest: Option<&(Level, wgpu::Buffer)>) -> TextureView {
+    fn store(&self, compute: &mut wgpu::ComputePass<'_>, level: Option<&Level>) -> TextureView {
         let device = self.inputs.device;
-        let size = finest.map_or(UVec3::ONE, |(level, _)| level.uniform.size);
-        let blocks = self.lights.count() + u32::from(self.lights == Lights::Sun);
-        let texture = volume(device, "moments", [size.x, size.y, size.z * blocks]);
+        let size = level.map_or(UVec3::ONE, |level| level.uniform.size);
+        let texture = volume(device, "moments", [size.x, size.y, size.z * self.lights.count()]);
         let view = gpu::view(&texture);
-        if let Some((level, cells_of)) = finest {
+        if let Some(level) = level {
             let degrees = gpu::uniform_buffer(device, "degrees", &self.species.chi);
             let group = self.pass.store.bind(
                 device,
@@ -368,7 +365,6 @@ impl Solver<'_> {
                     Some(level.moments.as_entire_binding()),
                     Some(degrees.as_entire_binding()),
                     Some(wgpu::BindingResource::TextureView(&view)),
-                    Some(cells_of.as_entire_binding()),
                 ],
             );
             let count = cells(&level.uniform);
