@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Life, Noise, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Life, Noise, union};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
@@ -36,6 +36,9 @@ pub struct Cloud {
     /// boundary none are lost.
     #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub dilution: f64,
+    /// Where its edge has turned to wisps.
+    #[serde(skip_serializing_if = "Evaporation::is_none")]
+    pub evaporation: Evaporation,
     /// The noise that shapes its boundary, and drifts with it; the scene's where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
@@ -60,6 +63,7 @@ impl Default for Cloud {
             blend: 0.5,
             stratification: 0.0,
             dilution: 0.0,
+            evaporation: Evaporation::default(),
             noise: None,
             life: None,
             hidden: false,
@@ -107,6 +111,7 @@ impl Cloud {
         at.field("blend").number(self.blend, SHARE)?;
         at.field("stratification").number(self.stratification, SHARE)?;
         at.field("dilution").number(self.dilution, SHARE)?;
+        self.evaporation.check(at.field("evaporation"))?;
         if let Some(noise) = &self.noise {
             noise.check(at.field("noise"))?;
         }

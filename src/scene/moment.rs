@@ -108,6 +108,7 @@ impl Scene {
         let shear = self.shear();
         for cloud in &mut self.clouds {
             cloud.fix_noise();
+            cloud.evaporate(self.wind.velocity);
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));

@@ -160,6 +160,8 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     form.number("Cloud.blend", "Blend", &mut cloud.blend, default.blend);
     form.number("Cloud.stratification", "Stratification", &mut cloud.stratification, default.stratification);
     form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
+    form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
+    form.number("Evaporation.base", "Veil at the base", &mut cloud.evaporation.base, 0.0);
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
     let change = form.changed();
