@@ -279,3 +279,117 @@ fn octaves() -> Vec<Twin> {
         }),
     ]
 }
+
+/// Depths of lumps, weighted by their places in the list so that what is theirs is known again; the depth,
+/// extinction, boundary and wispiness of what they make together.
+fn joined(inputs: &[Input]) -> Vec<[f32; 4]> {
+    // Depths in x[0], how many in x[1].x, power and reach behind.
+    let body = "var l = NO_LUMPS;
+        for (var i = 0u; i < u32(x[1].x); i++) {
+            let mark = f32(i + 1u);
+            l = lumps_with(l, lump(vec4f(0.01 * x[2][i], 10.0 * x[2][i], 0.1 * x[2][i], 0.0)), x[0][i], x[1].y, x[1].z);
+        }
+        let e = lumps_edge(l, x[1].y, x[1].z);
+        return vec4f(e.depth, e.extinction, e.boundary, e.wispiness);";
+    crate::common::evaluate_with("density", BODY, body, inputs)
+}
+
+/// Lumps of such depths with marks 1, 2, ... joined by a power, told in a reach.
+fn join<const N: usize>(depths: [f64; N], marks: [f64; N], power: f64, reach: f64) -> Input {
+    let (mut first, mut third) = ([0.0; 4], [0.0; 4]);
+    first[..N].copy_from_slice(&depths);
+    third[..N].copy_from_slice(&marks);
+    input([first, [N as f64, power, reach, 0.0], third])
+}
+
+const POWERS: [f64; 4] = [2.0, 3.5, 5.0, 8.0];
+const REACH: f64 = 80.0;
+/// What two powers and a root of a depth lose in f32 on a device whose logarithms are good to 1.4e-5.
+const POWER_ERROR: f64 = 1e-4;
+
+#[test]
+fn one_lump_is_as_deep_as_it_is_and_has_its_own_edge() {
+    let cases: Vec<(f64, f64)> =
+        POWERS.into_iter().flat_map(|power| [0.1, 3.0, 40.0, 80.0].map(|depth| (power, depth))).collect();
+    let inputs: Vec<_> = cases.iter().map(|&(power, depth)| join([depth], [3.0], power, REACH)).collect();
+    for ((power, depth), got) in cases.into_iter().zip(joined(&inputs)) {
+        let wanted = [depth, 0.03, 30.0, 0.3];
+        for (got, wanted) in got.into_iter().zip(wanted) {
+            assert!((f64::from(got) / wanted - 1.0).abs() < POWER_ERROR, "{power}: {got} for {wanted}");
+        }
+    }
+}
+
+#[test]
+fn two_lumps_are_deeper_than_each_by_a_root_of_two_at_most() {
+    let mut cases = Vec::new();
+    for power in POWERS {
+        for (a, b) in [(0.5, 0.5), (10.0, 10.0), (10.0, 9.0), (40.0, 3.0), (80.0, 79.0), (0.2, 70.0)] {
+            cases.push((power, a, b));
+        }
+    }
+    let of = |order: bool| {
+        let input = |&(power, a, b): &(f64, f64, f64)| {
+            let (depths, marks) = if order { ([a, b], [1.0, 2.0]) } else { ([b, a], [2.0, 1.0]) };
+            join(depths, marks, power, REACH)
+        };
+        joined(&cases.iter().map(input).collect::<Vec<_>>())
+    };
+    for ((&(power, a, b), one), other) in cases.iter().zip(of(true)).zip(of(false)) {
+        let (depth, larger) = (f64::from(one[0]), a.max(b));
+        let most = larger * 2_f64.powf(1.0 / power);
+        assert!(
+            depth > larger * (1.0 - POWER_ERROR) && depth < most * (1.0 + POWER_ERROR),
+            "{depth} {larger}"
+        );
+        if a == b {
+            assert!((depth / most - 1.0).abs() < POWER_ERROR, "{power}: {depth} for {most}");
+        }
+        // The mean is nearer to the deeper one's own.
+        let share = (f64::from(one[1]) - 0.01) / 0.01;
+        assert!(a == b || (share > 0.5) == (b > a), "{share} of the second");
+        for (one, other) in one.into_iter().zip(other) {
+            assert!((one / other - 1.0).abs() < 1e-6, "whichever comes first: {one} {other}");
+        }
+    }
+}
+
+#[test]
+fn on_the_hull_depth_is_nothing_and_outside_it_is_that_of_the_nearest() {
+    for power in POWERS {
+        let of = |depths: [f64; 2]| joined(&[join(depths, [1.0, 2.0], power, REACH)])[0];
+        let on = of([1e-3, -5.0]);
+        // Told in the reach, depths end at a ten thousandth.
+        assert!(f64::from(on[0]) <= 1.01e-4 * REACH, "{on:?}");
+        assert_eq!(of([0.0, -5.0]), [0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(of([-7.0, -5.0]), [-5.0, 0.0, 0.0, 0.0]);
+    }
+}
+
+#[test]
+fn where_a_lump_ends_nothing_jumps_nor_kinks() {
+    // One lump stays 30 m deep, while another begins.
+    let step = 0.5;
+    for power in POWERS {
+        let begins: Vec<f64> = (-8..=8).map(|i| step * f64::from(i)).collect();
+        let inputs: Vec<_> = begins.iter().map(|&d| join([30.0, d], [1.0, 4.0], power, REACH)).collect();
+        let found = joined(&inputs);
+        for channel in 0..4 {
+            let values: Vec<f64> = found.iter().map(|got| f64::from(got[channel])).collect();
+            let whole = values[0].abs();
+            for three in values.windows(3) {
+                let (jump, kink) = (three[2] - three[1], three[2] - 2.0 * three[1] + three[0]);
+                // A lump of 4 m weighs (4/30)^p beside one of 30 m: 0.018 at the softest, three times as
+                // much of what is its own, and its step of 0.5 m a quarter of that.
+                let weight = |d: f64| (d.max(0.0) / 30.0_f64).powf(power);
+                let most = 3.0 * (weight(4.0) - weight(4.0 - step)) + 2.0 * POWER_ERROR;
+                assert!(jump.abs() < most * whole, "{power}, {channel}: {values:?}");
+                let curved = 3.0 * (weight(4.0) - 2.0 * weight(4.0 - step) + weight(4.0 - 2.0 * step));
+                assert!(
+                    kink.abs() < (curved.max(3.0 * weight(step)) + 4.0 * POWER_ERROR) * whole,
+                    "{values:?}"
+                );
+            }
+        }
+    }
+}
