@@ -4,11 +4,13 @@
 
 mod camera;
 mod cloud;
+mod dice;
 mod droplets;
 mod edge;
 mod ellipsoid;
 mod explain;
 mod file;
+mod growth;
 mod life;
 mod moment;
 mod noise;
@@ -30,6 +32,7 @@ pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use file::schema;
+pub use growth::{Growth, GrowthKind};
 pub use life::Life;
 pub use noise::Noise;
 pub use presets::{Heaps, Preset};

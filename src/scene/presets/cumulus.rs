@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use super::heap::{Edges, Growth, Heap};
 use crate::scene::Cloud;
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use super::{Scene, camera, cumulus};
 use crate::scene::timeline::{Key, Timeline, Track};
 use crate::scene::{Cloud, Life};

@@ -1,11 +1,11 @@
 //! Clouds to start from, each with a camera and a sun that suit it.
 
 mod cumulus;
-mod dice;
 mod drift;
 mod grow;
 mod heap;
 mod layer;
+mod weather;
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,9 +13,9 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use super::explain::nearest;
-use super::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition, Wind};
+use super::{Camera, Cloud, Edge, Ellipsoid, Growth, GrowthKind, Noise, Projection, Scene, Sun, SunPosition, Wind};
 use crate::{Error, Result};
-use dice::Dice;
+use super::dice::Dice;
 pub use grow::Heaps;
 use heap::tenths;
 
@@ -82,10 +82,10 @@ impl Preset {
     /// The scene that grows from `seed`: the same on every platform and in every run.
     pub fn scene(self, seed: u64) -> Scene {
         let dice = &mut Dice::new(seed);
-        let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice), ..Scene::default() };
+        let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice, (seed ^ (seed >> 32)) as u32), ..Scene::default() };
         scene.noise =
             Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
-        scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
+        scene.sun.position = SunPosition::Angles { azimuth_deg: 252.0, elevation_deg: 30.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
             Self::Glory => aim_at_glory(&mut scene),
@@ -100,14 +100,15 @@ impl Preset {
         scene
     }
 
-    fn clouds(self, dice: &mut Dice) -> Vec<Cloud> {
+    fn clouds(self, dice: &mut Dice, seed: u32) -> Vec<Cloud> {
+        let grown = |kind| vec![weather::cloud(self.name(), Growth::new(kind, seed))];
         match self {
-            Self::Humilis => vec![cumulus::HUMILIS.grow(dice)],
-            Self::Mediocris => vec![cumulus::MEDIOCRIS.grow(dice)],
-            Self::Congestus => vec![cumulus::CONGESTUS.grow(dice)],
-            Self::Fractus => vec![cumulus::fractus(dice)],
-            Self::Stratocumulus => layer::stratocumulus(dice),
-            Self::Cumulonimbus => vec![cumulus::cumulonimbus(dice)],
+            Self::Humilis => grown(GrowthKind::Humilis),
+            Self::Mediocris => grown(GrowthKind::Mediocris),
+            Self::Congestus => grown(GrowthKind::Congestus),
+            Self::Fractus => grown(GrowthKind::Fractus),
+            Self::Stratocumulus => grown(GrowthKind::ClosedCells),
+            Self::Cumulonimbus => grown(GrowthKind::Cumulonimbus),
             Self::Glory => vec![layer::sheet(dice)],
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
@@ -181,21 +182,21 @@ fn kol() -> Cloud {
     }
 }
 
-/// A camera in the south, a little below the base, that fills the picture with
-/// `bounds` (metres) and keeps the horizon in the lower third; never under `ground`.
+/// A camera in the south, below the base, that fills the picture with `bounds` (metres) above a low horizon; never
+/// under `ground`.
 fn portrait((min, max): super::Bounds, ground: f64) -> Camera {
-    // tan(20 degrees) and the shares of half the picture that the cloud may fill.
-    const HALF_HEIGHT: f64 = 0.364;
-    const FILL: f64 = 0.72;
-    const LEAST_SLOPE: f64 = 0.14;
+    // Slopes (tangents of elevations) in a picture whose horizon is a sixth of its height from its foot.
+    const MIDDLE: f64 = 0.25;
+    const BASE: f64 = 0.09;
+    const TOP: f64 = 0.56;
+    // Share of the width that the cloud may fill: of 16:9, twice tan(20 degrees) high.
+    const WIDE: f64 = 0.68 * 0.728 * 16.0 / 9.0;
     let (middle, size) = (0.5 * (min + max), max - min);
-    let tall = 0.5 * size.y / (FILL * HALF_HEIGHT);
-    let wide = 0.5 * size.x / (FILL * HALF_HEIGHT * 16.0 / 9.0);
-    let distance = tall.max(wide) + 0.5 * size.z;
-    let below_base = min.y - 0.05 * size.y;
-    let low = middle.y - LEAST_SLOPE * distance;
-    let altitude = below_base.min(low).max(ground + 1.7);
-    camera(middle.with_y(altitude) + DVec3::Z * distance, middle)
+    let near = (size.y / (TOP - BASE)).max(size.x / WIDE);
+    let distance = near + 0.2 * size.z;
+    let altitude = (min.y - BASE * near).max(ground + 1.7);
+    let eye = middle.with_y(altitude) + DVec3::Z * distance;
+    camera(eye, eye + distance * DVec3::new(0.0, MIDDLE, -1.0))
 }
 
 /// Under the near edge of the field, so that it runs to the horizon.

@@ -1,0 +1,125 @@
+//! The anvil of a thunderstorm: an overshooting top, sheets of ice that spread downwind, fibres, mammatus.
+
+use glam::{DQuat, DVec3};
+
+use super::heading::along;
+use super::pile::{Brood, Lump, Part, Pile, mixed};
+use super::Growth;
+use crate::scene::dice::Dice;
+
+const SHEETS: u64 = 60;
+const FIBRES: u64 = 240;
+const POUCHES: u64 = 130;
+
+/// Grows the anvil on the tower.
+pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
+    let top = summit(pile);
+    let key = mixed(u64::from(growth.seed), 7);
+    overshoot(growth, top, key, pile);
+    let first = pile.lumps().len();
+    sheets(growth, top, key, pile);
+    let sheets = first..pile.lumps().len();
+    fibres(growth, sheets.clone(), mixed(key, 2), pile);
+    pouches(growth, sheets, mixed(key, 3), pile);
+}
+
+/// Middle of the highest lump.
+fn summit(pile: &Pile) -> DVec3 {
+    let tops = pile.lumps().iter().map(|lump| (lump.center.y + lump.radii.y, lump.center));
+    tops.fold((0.0, DVec3::ZERO), |best, top| if top.0 > best.0 { top } else { best }).1
+}
+
+/// The dome of the strongest updraught, above the anvil.
+fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
+    let size = 0.1 * growth.width;
+    let first = pile.lumps().len();
+    for (i, lift) in [(0, 0.0), (1, 0.5)] {
+        let center = DVec3::new(top.x, growth.height - (1.5 - lift) * size, top.z);
+        let radii = size * DVec3::new(1.3 - 0.4 * lift, 1.0 - 0.2 * lift, 1.2 - 0.4 * lift);
+        let key = mixed(key, 50 + i);
+        pile.put(Lump { center, radii, turn: DQuat::IDENTITY, size, generation: 0, part: Part::Heap, key });
+    }
+    let brood = Brood { tries: 24, ratio: (0.25, 0.45), seat: 0.82, lowest: -0.1, least: 0.0 };
+    let parents = first..pile.lumps().len();
+    let next = parents.end;
+    pile.grow(parents, &brood);
+    let parents = next..pile.lumps().len();
+    pile.grow(parents, &Brood { tries: 6, ..brood });
+}
+
+/// Flat sheets one over the other, widening downwind and thinning.
+fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
+    let wide = growth.width;
+    for i in 0..SHEETS {
+        let dice = &mut Dice::new(mixed(key, 100 + i));
+        let along = i as f64 / (SHEETS - 1) as f64;
+        let jitter = dice.disc();
+        let center = DVec3::new(
+            top.x - 0.3 * wide + 1.75 * wide * along * along.sqrt() + 0.06 * wide * jitter.x,
+            growth.height * (0.86 + 0.03 * along) + 0.008 * wide * dice.between(-1.0, 1.0),
+            top.z + wide * (0.26 + 0.2 * along) * jitter.z,
+        );
+        let thin = 0.045 * (1.0 - 0.75 * along) + 0.006;
+        let radii = wide
+            * DVec3::new(
+                dice.between(0.2, 0.32),
+                thin * dice.between(0.85, 1.15),
+                dice.between(0.1, 0.2) * (1.0 - 0.3 * along),
+            );
+        let size = wide * (0.9 - 0.75 * along);
+        let turn = out_from(top, wide, center);
+        pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Ice, key: mixed(key, 900 + i) });
+    }
+}
+
+/// The turn of what the wind above draws out of the tower: it spreads like a fan.
+fn out_from(top: DVec3, wide: f64, center: DVec3) -> DQuat {
+    let source = top - DVec3::X * 1.6 * wide;
+    along((center - source).with_y(0.0))
+}
+
+/// Long thin threads that reach beyond the sheets.
+fn fibres(growth: &Growth, sheets: std::ops::Range<usize>, key: u64, pile: &mut Pile) {
+    let count = sheets.len().max(1);
+    for i in 0..FIBRES {
+        let dice = &mut Dice::new(mixed(key, i));
+        // More of them downwind.
+        let far = 1.0 - dice.unit() * dice.unit();
+        let Some(sheet) = pile.lumps().get(sheets.start + (far * count as f64) as usize).cloned() else { continue };
+        if sheet.part != Part::Ice {
+            continue;
+        }
+        let seat = DVec3::new(dice.between(0.2, 0.9), dice.between(-0.5, 0.6), dice.between(-0.85, 0.85));
+        let inside = seat / seat.length().max(1.0);
+        let center = sheet.center + sheet.turn * (inside * sheet.radii * 0.95);
+        let long = growth.width * dice.between(0.07, 0.24);
+        let radii = DVec3::new(long, growth.width * dice.between(0.003, 0.008), long * dice.between(0.05, 0.11));
+        let size = 0.35 * sheet.size;
+        pile.put(Lump { center, radii, turn: sheet.turn, size, generation: 1, part: Part::Ice, key: mixed(key, i) });
+    }
+}
+
+/// Mammatus: pouches that sink out of the sheets, in patches downwind of the tower.
+fn pouches(growth: &Growth, sheets: std::ops::Range<usize>, key: u64, pile: &mut Pile) {
+    let count = sheets.len().max(1) as f64;
+    for i in 0..POUCHES {
+        let dice = &mut Dice::new(mixed(key, i));
+        let which = (count * dice.between(0.3, 0.85)) as usize;
+        let Some(sheet) = pile.lumps().get(sheets.start + which).cloned() else { continue };
+        let flat = 0.75 * dice.disc();
+        let under = -(1.0 - flat.length_squared()).max(0.0).sqrt();
+        let seat = DVec3::new(flat.x, under, flat.z);
+        let size = growth.width * dice.between(0.012, 0.024);
+        let center = sheet.center + sheet.turn * (seat * sheet.radii) - DVec3::Y * 0.25 * size;
+        let radii = size * DVec3::new(1.1, dice.between(0.8, 1.1), 1.1);
+        pile.put(Lump {
+            center,
+            radii,
+            turn: DQuat::IDENTITY,
+            size,
+            generation: 2,
+            part: Part::Pouch,
+            key: mixed(key, i),
+        });
+    }
+}
