@@ -1,15 +1,20 @@
 //! The anvil of a thunderstorm: an overshooting top, sheets of ice that spread downwind, fibres, mammatus.
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
 
+use super::Growth;
 use super::heading::along;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
-use super::Growth;
 use crate::scene::dice::Dice;
 
-const SHEETS: u64 = 60;
-const FIBRES: u64 = 240;
-const POUCHES: u64 = 130;
+const SHEETS: u64 = 90;
+const FIBRES: u64 = 320;
+const POUCHES: u64 = 150;
+
+/// Height of the anvil's underside, of the storm's.
+const DECK: f64 = 0.8;
 
 /// Grows the anvil on the tower.
 pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
@@ -31,15 +36,16 @@ fn summit(pile: &Pile) -> DVec3 {
 
 /// The dome of the strongest updraught, above the anvil.
 fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
-    let size = 0.1 * growth.width;
+    let size = 0.11 * growth.width;
     let first = pile.lumps().len();
-    for (i, lift) in [(0, 0.0), (1, 0.5)] {
-        let center = DVec3::new(top.x, growth.height - (1.5 - lift) * size, top.z);
-        let radii = size * DVec3::new(1.3 - 0.4 * lift, 1.0 - 0.2 * lift, 1.2 - 0.4 * lift);
+    for (i, lift) in [(0, -0.9), (1, 0.0), (2, 0.35)] {
+        let center = DVec3::new(top.x + 0.2 * lift * size, growth.height - (1.1 - lift) * size, top.z);
+        let radii = size * DVec3::new(1.25 - 0.4 * lift, 0.95 - 0.4 * lift.abs(), 1.2 - 0.4 * lift);
         let key = mixed(key, 50 + i);
         pile.put(Lump { center, radii, turn: DQuat::IDENTITY, size, generation: 0, part: Part::Heap, key });
     }
-    let brood = Brood { tries: 24, ratio: (0.25, 0.45), seat: 0.82, lowest: -0.1, least: 0.0 };
+    let least = growth.least(0.0);
+    let brood = Brood { tries: 20, ratio: (0.25, 0.45), seat: 0.82, lowest: -0.1, least };
     let parents = first..pile.lumps().len();
     let next = parents.end;
     pile.grow(parents, &brood);
@@ -47,26 +53,28 @@ fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     pile.grow(parents, &Brood { tries: 6, ..brood });
 }
 
-/// Flat sheets one over the other, widening downwind and thinning.
+/// Flat sheets one over the other: a funnel out of the tower, then widening downwind and thinning.
 fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     let wide = growth.width;
     for i in 0..SHEETS {
         let dice = &mut Dice::new(mixed(key, 100 + i));
         let along = i as f64 / (SHEETS - 1) as f64;
         let jitter = dice.disc();
+        // Near the tower it reaches farther down: what spreads there has just risen.
+        let funnel = (1.0 - 3.0 * along).max(0.0);
         let center = DVec3::new(
-            top.x - 0.3 * wide + 1.75 * wide * along * along.sqrt() + 0.06 * wide * jitter.x,
-            growth.height * (0.86 + 0.03 * along) + 0.008 * wide * dice.between(-1.0, 1.0),
-            top.z + wide * (0.26 + 0.2 * along) * jitter.z,
+            top.x - 0.2 * wide + 1.9 * wide * along + 0.1 * wide * jitter.x,
+            growth.height * (DECK + 0.07 * along + 0.04) + wide * (0.02 * dice.unit() - 0.055 * funnel * dice.unit()),
+            top.z + wide * (0.24 + 0.26 * along) * jitter.z,
         );
-        let thin = 0.045 * (1.0 - 0.75 * along) + 0.006;
+        let thin = 0.05 * (1.0 - along) * (1.0 - 0.6 * along) + 0.006;
         let radii = wide
             * DVec3::new(
-                dice.between(0.2, 0.32),
-                thin * dice.between(0.85, 1.15),
-                dice.between(0.1, 0.2) * (1.0 - 0.3 * along),
+                dice.between(0.16, 0.3) * (1.0 - 0.4 * funnel),
+                thin * dice.between(0.6, 1.15),
+                dice.between(0.07, 0.18) * (1.0 - 0.3 * along),
             );
-        let size = wide * (0.9 - 0.75 * along);
+        let size = wide * (0.9 - 0.8 * along);
         let turn = out_from(top, wide, center);
         pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Ice, key: mixed(key, 900 + i) });
     }
@@ -79,47 +87,41 @@ fn out_from(top: DVec3, wide: f64, center: DVec3) -> DQuat {
 }
 
 /// Long thin threads that reach beyond the sheets.
-fn fibres(growth: &Growth, sheets: std::ops::Range<usize>, key: u64, pile: &mut Pile) {
-    let count = sheets.len().max(1);
+fn fibres(growth: &Growth, sheets: Range<usize>, key: u64, pile: &mut Pile) {
     for i in 0..FIBRES {
         let dice = &mut Dice::new(mixed(key, i));
         // More of them downwind.
         let far = 1.0 - dice.unit() * dice.unit();
-        let Some(sheet) = pile.lumps().get(sheets.start + (far * count as f64) as usize).cloned() else { continue };
-        if sheet.part != Part::Ice {
-            continue;
-        }
-        let seat = DVec3::new(dice.between(0.2, 0.9), dice.between(-0.5, 0.6), dice.between(-0.85, 0.85));
+        let Some(sheet) = sheet(pile, &sheets, far) else { continue };
+        let seat = DVec3::new(dice.between(0.1, 0.95), dice.between(-0.6, 0.7), dice.between(-0.95, 0.95));
         let inside = seat / seat.length().max(1.0);
         let center = sheet.center + sheet.turn * (inside * sheet.radii * 0.95);
-        let long = growth.width * dice.between(0.07, 0.24);
-        let radii = DVec3::new(long, growth.width * dice.between(0.003, 0.008), long * dice.between(0.05, 0.11));
-        let size = 0.35 * sheet.size;
-        pile.put(Lump { center, radii, turn: sheet.turn, size, generation: 1, part: Part::Ice, key: mixed(key, i) });
+        let long = growth.width * dice.between(0.06, 0.26);
+        let radii =
+            DVec3::new(long, growth.width * dice.between(0.0025, 0.007), long * dice.between(0.03, 0.08));
+        let (turn, size, key) = (sheet.turn, 0.35 * sheet.size, mixed(key, i));
+        pile.put(Lump { center, radii, turn, size, generation: 1, part: Part::Ice, key });
     }
 }
 
 /// Mammatus: pouches that sink out of the sheets, in patches downwind of the tower.
-fn pouches(growth: &Growth, sheets: std::ops::Range<usize>, key: u64, pile: &mut Pile) {
-    let count = sheets.len().max(1) as f64;
+fn pouches(growth: &Growth, sheets: Range<usize>, key: u64, pile: &mut Pile) {
     for i in 0..POUCHES {
         let dice = &mut Dice::new(mixed(key, i));
-        let which = (count * dice.between(0.3, 0.85)) as usize;
-        let Some(sheet) = pile.lumps().get(sheets.start + which).cloned() else { continue };
+        let Some(sheet) = sheet(pile, &sheets, dice.between(0.12, 0.6)) else { continue };
         let flat = 0.75 * dice.disc();
         let under = -(1.0 - flat.length_squared()).max(0.0).sqrt();
         let seat = DVec3::new(flat.x, under, flat.z);
         let size = growth.width * dice.between(0.012, 0.024);
         let center = sheet.center + sheet.turn * (seat * sheet.radii) - DVec3::Y * 0.25 * size;
         let radii = size * DVec3::new(1.1, dice.between(0.8, 1.1), 1.1);
-        pile.put(Lump {
-            center,
-            radii,
-            turn: DQuat::IDENTITY,
-            size,
-            generation: 2,
-            part: Part::Pouch,
-            key: mixed(key, i),
-        });
+        let (turn, key) = (DQuat::IDENTITY, mixed(key, i));
+        pile.put(Lump { center, radii, turn, size, generation: 2, part: Part::Pouch, key });
     }
+}
+
+/// The sheet that is `far` along from the tower, 0 to 1.
+fn sheet(pile: &Pile, sheets: &Range<usize>, far: f64) -> Option<Lump> {
+    let index = sheets.start + (far * sheets.len() as f64) as usize;
+    pile.lumps()[..sheets.end].get(index).cloned()
 }

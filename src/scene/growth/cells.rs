@@ -57,12 +57,12 @@ pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
         };
         pile.put(lump);
     }
-    heads(spacing, pile);
+    heads(growth.least(0.02 * spacing), pile);
 }
 
 /// Low heads on the upper side.
-fn heads(spacing: f64, pile: &mut Pile) {
-    let brood = Brood { tries: 3, ratio: (0.3, 0.5), seat: 0.82, lowest: 0.1, least: 0.02 * spacing };
+fn heads(least: f64, pile: &mut Pile) {
+    let brood = Brood { tries: 3, ratio: (0.3, 0.5), seat: 0.82, lowest: 0.1, least };
     let first = 0..pile.lumps().len();
     let next = first.end;
     pile.grow(first, &brood);

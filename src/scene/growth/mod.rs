@@ -28,6 +28,7 @@ const HEIGHT: Limits = Limits::new(1.0, 3e4, "metres");
 const HEADING: Limits = Limits::new(-360.0, 360.0, "degrees");
 const LEAN: Limits = Limits::new(-2.0, 2.0, "");
 const COVERAGE: Limits = Limits::new(0.05, 1.0, "");
+const DETAIL: Limits = Limits::new(0.0, 1.0, "");
 const AGE: Limits = Limits::new(0.0, 1.0, "");
 
 /// Most ellipsoids that one cloud grows.
@@ -90,6 +91,8 @@ pub struct Growth {
     pub coverage: f64,
     /// 0 is young, 1 is old.
     pub age: f64,
+    /// How small its lumps become: 0 the largest alone, 1 all.
+    pub detail: f64,
 }
 
 /// How a cloud grows. It stands in place of the ellipsoids, which are grown from it; what is left out is as usual
@@ -130,6 +133,11 @@ struct Sparse {
     /// 0 is young, with crisp turrets; 1 is old: sunken, spread and torn. 0 to 1, no unit; 0.2 where left out.
     #[schemars(range(min = AGE.min, max = AGE.max))]
     age: Option<f64>,
+    /// How small its lumps become, 0 (the largest alone) to 1 (all), no unit; 1 where left out. Clouds far off
+    /// need few.
+    #[serde(default = "all")]
+    #[schemars(range(min = DETAIL.min, max = DETAIL.max))]
+    detail: f64,
 }
 
 impl JsonSchema for Growth {
@@ -150,6 +158,10 @@ fn usual_heading() -> f64 {
     90.0
 }
 
+fn all() -> f64 {
+    1.0
+}
+
 impl From<Sparse> for Growth {
     fn from(sparse: Sparse) -> Self {
         let usual = Self::new(sparse.kind, sparse.seed);
@@ -162,6 +174,7 @@ impl From<Sparse> for Growth {
             lean: sparse.lean.unwrap_or(usual.lean),
             coverage: sparse.coverage.unwrap_or(usual.coverage),
             age: sparse.age.unwrap_or(usual.age),
+            detail: sparse.detail,
             ..usual
         }
     }
@@ -180,7 +193,7 @@ impl Growth {
             GrowthKind::OpenCells => (9000.0, 420.0, 0.2, 0.35, 0.2),
         };
         let (place, heading_deg) = (usual_place(), usual_heading());
-        Self { kind, seed, place, width, height, heading_deg, lean, coverage, age }
+        Self { kind, seed, place, width, height, heading_deg, lean, coverage, age, detail: all() }
     }
 
     /// The ellipsoids that grow: at least one, at most 2400, each of which touches another. Their base is flat and at
@@ -203,6 +216,11 @@ impl Growth {
         }
         let turn = heading::from_downwind(self.heading_deg);
         pile.into_lumps().iter().map(|lump| self.placed(lump, turn)).collect()
+    }
+
+    /// Radius of the least lump of `usual` metres when all are there.
+    fn least(&self, usual: f64) -> f64 {
+        usual + 0.08 * self.width * (1.0 - self.detail)
     }
 
     /// Half the extent of the box around the middle of the base in which lumps are looked up, metres.
@@ -231,7 +249,8 @@ impl Growth {
         at.field("heading_deg").number(self.heading_deg, HEADING)?;
         at.field("lean").number(self.lean, LEAN)?;
         at.field("coverage").number(self.coverage, COVERAGE)?;
-        at.field("age").number(self.age, AGE)
+        at.field("age").number(self.age, AGE)?;
+        at.field("detail").number(self.detail, DETAIL)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Cumulus: updraughts of different height and strength over a flat base, and heaps upon them.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::Growth;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
@@ -69,14 +69,14 @@ pub(super) const CONGESTUS: Habit = Habit {
 
 pub(super) const CUMULONIMBUS: Habit = Habit {
     depth: 0.85,
-    cores: (3, 4),
-    lesser: (0.75, 0.3),
-    foot: 0.36,
-    flanks: (4, 6),
-    plumes: 14,
-    shelf: 0.1,
-    ceiling: 0.93,
-    broods: [brood(12, -0.4, 0.02), brood(8, -0.4, 0.03), brood(3, -0.3, 0.04)],
+    cores: (4, 6),
+    lesser: (0.7, 0.22),
+    foot: 0.42,
+    flanks: (3, 5),
+    plumes: 18,
+    shelf: 0.08,
+    ceiling: 0.9,
+    broods: [brood(15, -0.45, 0.02), brood(8, -0.45, 0.03), brood(2, -0.3, 0.04)],
 };
 
 /// A column of rising air.
@@ -99,7 +99,7 @@ pub(super) fn grow(growth: &Growth, habit: &Habit, pile: &mut Pile) {
     let half = 0.5 * growth.width;
     let mut parents = 0..pile.lumps().len();
     for brood in &habit.broods {
-        let brood = Brood { least: brood.least * half, ..*brood };
+        let brood = Brood { least: growth.least(brood.least * half), ..*brood };
         let next = pile.lumps().len();
         pile.grow(parents, &brood);
         parents = next..pile.lumps().len();
@@ -210,5 +210,4 @@ fn put(pile: &mut Pile, dice: &mut Dice, center: DVec3, size: f64, key: u64) {
     let shape = DVec3::new(dice.between(0.95, 1.18), dice.between(0.86, 1.0), dice.between(0.92, 1.12));
     let turn = dice.yaw();
     pile.put(Lump { center, radii: size * shape, turn, size, generation: 0, part: Part::Heap, key });
-    let _: DQuat = turn;
 }

@@ -2,6 +2,7 @@
 
 mod cumulus;
 mod drift;
+mod field;
 mod grow;
 mod heap;
 mod layer;
@@ -33,10 +34,16 @@ pub enum Preset {
     Congestus,
     /// Small torn shreds.
     Fractus,
-    /// A field of twenty flat clouds.
+    /// A layer of stratocumulus in closed cells: flat patches with narrow gaps.
     Stratocumulus,
-    /// A thunderstorm: a tower of 6 to 9 km with an anvil.
+    /// A layer of stratocumulus in open cells: rings around clear air.
+    OpenCells,
+    /// A thunderstorm of 10 km: tower, overshooting top, anvil with fibres, mammatus.
     Cumulonimbus,
+    /// A towering cumulus that leans with the shear of the wind.
+    Tower,
+    /// A sky of a hundred cumuli and more, in streets along the wind, with a large one in front.
+    Field,
     /// A thin sheet from above, the sun behind the camera: glory and fogbow.
     Glory,
     /// One homogeneous sphere, which no seed changes.
@@ -50,13 +57,16 @@ pub enum Preset {
 
 impl Preset {
     /// All presets, in the order of their documentation.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Humilis,
         Self::Mediocris,
         Self::Congestus,
         Self::Fractus,
         Self::Stratocumulus,
+        Self::OpenCells,
         Self::Cumulonimbus,
+        Self::Tower,
+        Self::Field,
         Self::Glory,
         Self::Sphere,
         Self::Kol,
@@ -71,7 +81,10 @@ impl Preset {
             Self::Congestus => "congestus",
             Self::Fractus => "fractus",
             Self::Stratocumulus => "stratocumulus",
+            Self::OpenCells => "open-cells",
             Self::Cumulonimbus => "cumulonimbus",
+            Self::Tower => "tower",
+            Self::Field => "field",
             Self::Glory => "glory",
             Self::Sphere => "sphere",
             Self::Kol => "kol",
@@ -90,6 +103,8 @@ impl Preset {
         match self {
             Self::Glory => aim_at_glory(&mut scene),
             Self::Stratocumulus => look_along_the_field(&mut scene),
+            Self::OpenCells => look_down_on_cells(&mut scene),
+            Self::Field => look_over_the_land(&mut scene),
             Self::Sphere => scene.wind = Wind::default(),
             Self::Drift => drift::set_in_motion(&mut scene),
             _ => {}
@@ -108,7 +123,10 @@ impl Preset {
             Self::Congestus => grown(GrowthKind::Congestus),
             Self::Fractus => grown(GrowthKind::Fractus),
             Self::Stratocumulus => grown(GrowthKind::ClosedCells),
+            Self::OpenCells => grown(GrowthKind::OpenCells),
             Self::Cumulonimbus => grown(GrowthKind::Cumulonimbus),
+            Self::Tower => vec![weather::cloud(self.name(), tower(seed))],
+            Self::Field => field::clouds(dice, seed),
             Self::Glory => vec![layer::sheet(dice)],
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
@@ -120,10 +138,11 @@ impl Preset {
     fn noise_scale(self) -> f64 {
         match self {
             Self::Humilis | Self::Glory | Self::Fractus | Self::Drift => 60.0,
-            Self::Stratocumulus => 110.0,
+            Self::Stratocumulus | Self::OpenCells => 110.0,
             Self::Mediocris => 140.0,
             Self::Sphere | Self::Kol => 80.0,
-            Self::Congestus => 280.0,
+            Self::Congestus | Self::Tower => 280.0,
+            Self::Field => 200.0,
             Self::Cumulonimbus => 700.0,
         }
     }
@@ -197,6 +216,31 @@ fn portrait((min, max): super::Bounds, ground: f64) -> Camera {
     let altitude = (min.y - BASE * near).max(ground + 1.7);
     let eye = middle.with_y(altitude) + DVec3::Z * distance;
     camera(eye, eye + distance * DVec3::new(0.0, MIDDLE, -1.0))
+}
+
+/// Narrow and tall, under strong shear.
+fn tower(seed: u32) -> Growth {
+    Growth {
+        width: 1500.0,
+        height: 2400.0,
+        lean: 0.55,
+        coverage: 0.5,
+        age: 0.0,
+        ..Growth::new(GrowthKind::Congestus, seed)
+    }
+}
+
+/// From a hill, far over the land.
+fn look_over_the_land(scene: &mut Scene) {
+    let eye = DVec3::new(0.0, 60.0, 0.0);
+    scene.wind.velocity = DVec3::new(1.7, 0.0, -5.8);
+    scene.camera = Some(camera(eye, eye + DVec3::new(0.0, 235.0, -1000.0)));
+}
+
+/// From an aeroplane above the layer, the horizon high in the picture.
+fn look_down_on_cells(scene: &mut Scene) {
+    let eye = DVec3::new(0.0, 2900.0, 4200.0);
+    scene.camera = Some(camera(eye, eye + DVec3::new(0.0, -260.0, -1000.0)));
 }
 
 /// Under the near edge of the field, so that it runs to the horizon.
