@@ -1,7 +1,6 @@
-// Bakes the depth below a cloud's boundary at the corners of the cells of its bricks: of the ellipsoid
-// that is the densest on average over the noise, with its edge; of those alike, the deepest. One thread a
-// corner.
-// @use depth_volume ellipsoid
+// Bakes the depth below a cloud's hull at the corners of the cells of its bricks, with the edge there. One
+// thread a corner.
+// @use depth_volume
 
 struct Brick {
     // Place among the bricks.
@@ -36,22 +35,18 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let corner = vec3u(index, index / DEPTH_CORNERS, index / (DEPTH_CORNERS * DEPTH_CORNERS)) % DEPTH_CORNERS;
     let place = vec3f(brick.place) + vec3f(corner) / f32(DEPTH_CELLS);
     let p = volume_frame.low + volume_frame.brick * place;
-    var densest = -1.0;
-    var deepest = -1e30;
-    var greatest = -1e30;
-    var texel = vec4f(-volume_frame.brick, 0.0, 0.0, 0.0);
+    var lumps = NO_LUMPS;
+    var nearest = vec4f(-volume_frame.brick, 0.0, 0.0, 0.0);
     for (var i = 0u; i < brick.count; i++) {
         let e = ellipsoids[candidates[brick.first + i]];
         let depth = clamp(ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0)), -DEEPEST, DEEPEST);
-        let mean = matter_below(edge_of(e), depth, vec2f(0.0), 0.0);
-        greatest = max(greatest, depth);
-        if mean.extinction > densest || (mean.extinction == densest && mean.depth > deepest) {
-            densest = mean.extinction;
-            deepest = mean.depth;
-            texel = vec4f(depth, e.extinction, e.displacement, e.wispiness);
-        }
+        nearest = select(nearest, vec4f(depth, e.extinction, e.boundary, e.wispiness), depth >= lumps.deepest);
+        lumps = lumps_with(lumps, e, depth, volume_frame.power, volume_frame.reach);
     }
-    // Outside of all, nothing is nearer than the nearest.
-    texel.x = select(texel.x, greatest, texel.x <= 0.0);
+    // Outside of all, the edge is that of the nearest.
+    let edge = lumps_edge(lumps, volume_frame.power, volume_frame.reach);
+    let inside = vec4f(min(edge.depth, DEEPEST), edge.extinction, edge.boundary, edge.wispiness);
+    let told = select(nearest, inside, lumps.weight > 0.0);
+    let texel = vec4f(told.x, told.y / volume_frame.core, told.z, told.w);
     textureStore(atlas, depth_slot(volume_frame, number) + corner, texel);
 }

@@ -14,7 +14,7 @@
 // Extinction without the forward peak.
 fn extinction_at(p: vec3f, list: Region, blur: f32) -> f32 {
     let matter = medium_at(list, p, blur, blur);
-    return transported(medium_species(matter.species)) * matter.extinction;
+    return transported(medium_species(matter.body)) * matter.extinction;
 }
 
 @compute @workgroup_size(64)

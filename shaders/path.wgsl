@@ -343,7 +343,7 @@ fn advance(path: ptr<function, Path>, index: u32) {
         }
         finish(path, index);
     } else if step.tentative && draw() < share {
-        collide(path, step.position, step.matter.species);
+        collide(path, step.position, bodies[step.matter.body].table);
         seen = all((*path).light <= vec3f(0.0));
     }
     if seen {

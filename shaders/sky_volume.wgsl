@@ -17,7 +17,7 @@ const SAMPLES: u32 = 4u;
 fn extinction_at(p: vec3f, blur: f32) -> f32 {
     let list = lists[light_box_brick(textureDimensions(volume), light_box_coordinate(box, p))];
     let matter = medium_mean_at(list, p, blur);
-    return transported(medium_species(matter.species)) * matter.extinction;
+    return transported(medium_species(matter.body)) * matter.extinction;
 }
 
 // Optical depth from a point over `reach` metres.

@@ -11,9 +11,9 @@
 // that may stand before each tile.
 @group(0) @binding(1) var<storage, read> lists: array<Region>;
 @group(0) @binding(2) var<storage, read> candidates: array<u32>;
-// Ellipsoids of other clouds in this cloud's frame, and what those are made of.
+// Ellipsoids of other clouds in this cloud's frame, cloud after cloud, and those clouds' bodies.
 @group(0) @binding(3) var<storage, read> others: array<Ellipsoid>;
-@group(0) @binding(4) var<storage, read> species_of_others: array<Species>;
+@group(0) @binding(4) var<storage, read> bodies_of_others: array<Body>;
 @group(0) @binding(5) var volume: texture_storage_3d<rgba16float, write>;
 @group(0) @binding(6) var depths: texture_storage_2d<rgba16float, write>;
 
@@ -50,33 +50,54 @@ fn collect_hits(top: vec3f, list: Region) {
     }
 }
 
-// Which ellipsoid of other clouds is the densest at a point, and its extinction.
-struct Densest {
-    extinction: f32,
-    ellipsoid: u32,
+// What other clouds there are at a point, as their lumps are asked one by one, cloud after cloud.
+struct Others {
+    matter: Matter,
+    // The lump that the point is deepest in, and how deep, m.
+    owner: u32,
+    deepest: f32,
+    // The cloud that is asked, and its lumps so far.
+    body: u32,
+    lumps: Lumps,
 }
 
-fn denser(densest: Densest, index: u32, p: vec3f, noise: vec2f, blur: f32) -> Densest {
+const NO_OTHERS: Others = Others(CLEAR, 0u, 0.0, 0u, NO_LUMPS);
+
+fn others_with(before: Others, index: u32, p: vec3f, blur: f32) -> Others {
+    var all = before;
     let e = others[index];
-    let here = matter_with(CLEAR, e, ellipsoid_unit(e, p, 1.0), noise, blur).extinction;
-    if here > densest.extinction {
-        return Densest(here, index);
+    if e.body != all.body {
+        all = others_all(all, p, blur);
+        all.body = e.body;
     }
-    return densest;
+    let depth = ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0));
+    all.owner = select(all.owner, index, depth > all.deepest);
+    all.deepest = max(all.deepest, depth);
+    all.lumps = lumps_with(all.lumps, e, depth, bodies_of_others[e.body].power, bodies_of_others[e.body].reach);
+    return all;
 }
 
-// Its extinction without the peak.
-fn transported_densest(densest: Densest) -> f32 {
-    return transported(species_of_others[others[densest.ellipsoid].species]) * densest.extinction;
+// The cloud that is asked has no more lumps.
+fn others_all(before: Others, p: vec3f, blur: f32) -> Others {
+    var all = before;
+    if all.lumps.weight > 0.0 {
+        let body = bodies_of_others[all.body];
+        // Noise finer than a texel is left out.
+        let noise = noise_at(noise_volume, repeat, body.noise, p, 0.5 * box.texel);
+        let edge = lumps_edge(all.lumps, body.power, body.reach);
+        all.matter = matter_union(all.matter, matter_below(body, all.body, edge, p.y, noise, blur));
+    }
+    all.lumps = NO_LUMPS;
+    return all;
 }
 
-// Noise finer than a texel is left out.
-fn noise_here(p: vec3f) -> vec2f {
-    return medium_noise(p, 0.5 * box.texel);
+// Their extinction without the peak.
+fn transported_others(matter: Matter) -> f32 {
+    return transported(bodies_of_others[matter.body].species) * matter.extinction;
 }
 
 // Optical depth of other clouds between the sun and the top of a column: each ellipsoid
-// is sampled along its own chord, however far away, and counts where it is the densest.
+// is sampled along its own chord, however far away, and counts where it is the deepest.
 fn shadow_of_others(top: vec3f) -> f32 {
     var optical_depth = 0.0;
     for (var i = 0u; i < hit_count && optical_depth < DARK; i++) {
@@ -84,12 +105,12 @@ fn shadow_of_others(top: vec3f) -> f32 {
         let step = chord_step(chord, 0.0, SAMPLES_BEFORE);
         for (var j = 0u; j < SAMPLES_BEFORE; j++) {
             let p = top + chord_middle(chord, step, j) * box.along;
-            let noise = noise_here(p);
-            var densest = Densest(0.0, 0u);
+            var there = NO_OTHERS;
             for (var k = 0u; k < hit_count; k++) {
-                densest = denser(densest, hits[k], p, noise, 0.5 * step);
+                there = others_with(there, hits[k], p, 0.5 * step);
             }
-            optical_depth += select(0.0, step * transported_densest(densest), densest.ellipsoid == hits[i]);
+            there = others_all(there, p, 0.5 * step);
+            optical_depth += select(0.0, step * transported_others(there.matter), there.owner == hits[i]);
         }
     }
     return optical_depth;
@@ -99,17 +120,17 @@ fn shadow_of_others(top: vec3f) -> f32 {
 // is denser there.
 fn extinction_at(p: vec3f, own: Region, other: Region, blur: f32) -> f32 {
     let matter = medium_at(own, p, 0.5 * box.texel, blur);
-    var densest = Densest(matter.extinction, 0u);
     if SHADED {
-        let noise = noise_here(p);
+        var there = NO_OTHERS;
         for (var i = 0u; i < other.count; i++) {
-            densest = denser(densest, candidates[other.first + i], p, noise, blur);
+            there = others_with(there, candidates[other.first + i], p, blur);
         }
-        if densest.extinction > matter.extinction {
-            return transported_densest(densest);
+        there = others_all(there, p, blur);
+        if there.matter.extinction > matter.extinction {
+            return transported_others(there.matter);
         }
     }
-    return transported(medium_species(matter.species)) * matter.extinction;
+    return transported(medium_species(matter.body)) * matter.extinction;
 }
 
 @compute @workgroup_size(8, 8)

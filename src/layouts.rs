@@ -8,7 +8,7 @@ use crate::{
     frame::{
         CameraUniform, MEDIA,
         medium::{
-            BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame, SpeciesUniform,
+            BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame, SpeciesUniform,
         },
     },
     gpu,
@@ -58,7 +58,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 16] = [
+    let cases: [(&str, &str, Layout); 17] = [
         (
             "path",
             "Scene",
@@ -72,12 +72,12 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "Ellipsoid",
-            layout!(EllipsoidUniform: row_x, row_y, row_z, center, extinction, displacement, rise, wispiness, core, species),
+            layout!(EllipsoidUniform: row_x, row_y, row_z, center, extinction, boundary, wispiness, core, body),
         ),
         (
             "march",
             "NoiseFrame",
-            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, fine_weight, texels_per_metre, frequency),
+            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, amplitudes, scale, texels_per_metre, frequency),
         ),
         (
             "march",
@@ -91,6 +91,11 @@ fn structs_of_rust_and_shaders_agree() {
                 first_step, longest_step, growth, lit_at_once, scene_depth),
         ),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
+        (
+            "march",
+            "Body",
+            layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, uneven, table),
+        ),
         ("march", "Species", layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees)),
         (
             "moments_sweep",
@@ -100,7 +105,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "depth_bake",
             "DepthVolume",
-            layout!(DepthVolumeUniform: low, brick, size, core, texel, boundary, slots, rise),
+            layout!(DepthVolumeUniform: low, brick, size, core, texel, boundary, slots, power, reach),
         ),
         ("depth_bake", "Brick", layout!(BrickUniform: place, first, count)),
         ("march", "Tile", layout!(Tile: area, first, count)),

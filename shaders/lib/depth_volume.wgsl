@@ -9,7 +9,7 @@ struct DepthVolume {
     brick: f32,
     // Bricks along each axis.
     size: vec3u,
-    // Extinction in homogeneous bricks, 1/m.
+    // Extinction of the densest lump, 1/m.
     core: f32,
     // 1 over the texels of the atlas along each axis.
     texel: vec3f,
@@ -17,8 +17,9 @@ struct DepthVolume {
     boundary: f32,
     // Bricks of the atlas along x and y.
     slots: vec2u,
-    // Share of the boundary over which the density rises, where it is all billows and all wisps.
-    rise: vec2f,
+    // Exponent with which depths of lumps are joined, and the depth that they are told in, m.
+    power: f32,
+    reach: f32,
 }
 
 // Cells along the edge of a brick; its corners are one more.
@@ -50,11 +51,9 @@ fn depth_coordinate(volume: DepthVolume, number: u32, inside: vec3f) -> vec3f {
     return (vec3f(depth_slot(volume, number)) + 0.5 + f32(DEPTH_CELLS) * inside) * volume.texel;
 }
 
-// The edge that a texel tells: depth, extinction, displacement and wispiness.
+// The edge that a texel tells: depth, share of the densest extinction, boundary and wispiness.
 fn depth_edge(volume: DepthVolume, texel: vec4f) -> Edge {
-    let share = mix(volume.rise.x, volume.rise.y, texel.w);
-    let rise = max(texel.z * share / (1.0 - share), 1e-3);
-    return Edge(texel.y, texel.z, rise, texel.w, 0u);
+    return Edge(texel.x, volume.core * texel.y, texel.z, texel.w);
 }
 
 // Distance along a unit `direction` in which there is nothing, m, from a `place` among the bricks, in a
@@ -80,7 +79,7 @@ struct DepthPlace {
     entry: u32,
 }
 
-// What is at a place where the index alone or the depth of a `texel` tells: nothing, or the homogeneous
+// What is at a place where the index alone or the depth of a `texel` tells: nothing, or the
 // core. Else its extinction is negative. `clear` goes along a direction.
 fn depth_certain(volume: DepthVolume, at: DepthPlace, texel: vec4f, direction: vec3f) -> Matter {
     let kind = depth_kind(at.entry);

@@ -8,19 +8,14 @@ struct Ellipsoid {
     center: vec3f,
     // Extinction coefficient of the homogeneous core, 1/m.
     extinction: f32,
-    // Largest distance by which the noise pushes the boundary inwards, m.
-    displacement: f32,
-    // Depth behind the displaced boundary over which the density rises, m.
-    rise: f32,
+    // Thickness of the boundary that noise shapes, m.
+    boundary: f32,
     // 0 where the noise is all billows, 1 where it is all wisps.
     wispiness: f32,
-    // Scale of the concentric ellipsoid inside which the density is constant; 0 or less for none.
+    // Scale of the concentric ellipsoid inside which density changes with nothing but height; 0 for none.
     core: f32,
-    // Place of its particles in the medium's table of species.
-    species: u32,
-    padding_0: u32,
-    padding_1: u32,
-    padding_2: u32,
+    // Place of its cloud in the medium's table of bodies.
+    body: u32,
 }
 
 // A point (w = 1) or direction (w = 0) in the space where the ellipsoid is the unit sphere.
@@ -72,8 +67,8 @@ fn ellipsoid_facing(e: Ellipsoid, u: vec3f) -> vec4f {
 }
 
 // Thickness of the boundary that steps go by, m, where the largest features of the noise are
-// 1 / `frequency`. No boundary is thicker than its ellipsoid: there the core is less than nothing.
+// 1 / `frequency`. No boundary is thicker than its ellipsoid.
 fn ellipsoid_boundary(e: Ellipsoid, frequency: f32) -> f32 {
-    let edges = max(1.0, e.displacement * frequency);
-    return (e.displacement + e.rise) / (max(1.0, 1.0 - e.core) * edges);
+    let thinnest = 1.0 / max(e.row_x.w, max(e.row_y.w, e.row_z.w));
+    return min(e.boundary, thinnest) / max(1.0, e.boundary * frequency);
 }

@@ -15,6 +15,6 @@ struct Stretch {
     // Thinnest boundary of the ellipsoids here, m; less where the noise moves it by more than the
     // noise's own size, for then there is more than one edge in it.
     boundary: f32,
-    // Species of the homogeneous stretch.
-    species: u32,
+    // Body of the homogeneous stretch.
+    body: u32,
 }

@@ -6,9 +6,9 @@ override MAX_STEPS: u32 = 512u;
 // Rounds for jumps and for the last stretches, beyond the steps that a ray should take.
 const SPARE_STEPS: u32 = 256u;
 
-// Share of the extinction of a species that the model of light sees.
-fn kept_of(index: u32) -> f32 {
-    return select(1.0, transported(medium_species(index)), light_truncates());
+// Share of the extinction of a body that the model of light sees.
+fn kept_of(body: u32) -> f32 {
+    return select(1.0, transported(medium_species(body)), light_truncates());
 }
 
 fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
@@ -42,13 +42,13 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
         var length = min(wanted * phase, left);
         phase = 1.0;
         count(STEPS, 1u);
-        var matter = Matter(stretch.core, 0.0, 0.0, 0.0, stretch.species);
+        var matter = Matter(stretch.core, 0.0, 0.0, 0.0, stretch.body);
         if stretch.core <= 0.0 {
             matter = medium_on_ray(ray.region, light_ray_at(ray, t + 0.5 * length), ray.direction, blur);
-            length = step_stretched(length, wanted, left, matter, kept_of(matter.species));
+            length = step_stretched(length, wanted, left, matter, kept_of(matter.body));
         }
         // Gather the light of this step in closed form.
-        let kept = kept_of(matter.species);
+        let kept = kept_of(matter.body);
         let optical_depth = matter.extinction * length;
         let through = step_through(kept, optical_depth);
         let seen = m.transmittance * (1.0 - through);

@@ -1,22 +1,17 @@
 // The medium as a sparse volume of depths below the cloud's boundary, baked once a shape
 // (`depth_bake`), with the same noise on top: one read of it takes the place of asking each ellipsoid.
-// @use counts density depth_volume noise ray_box region species
+// @use counts density depth_volume ray_box region
 
 @group(1) @binding(0) var<uniform> volume_frame: DepthVolume;
-@group(1) @binding(1) var<storage, read> species: array<Species>;
-@group(1) @binding(2) var<uniform> noise_frame: NoiseFrame;
-@group(1) @binding(3) var noise_volume: texture_3d<f32>;
-@group(1) @binding(4) var repeat: sampler;
-@group(1) @binding(5) var depth_index: texture_3d<u32>;
-@group(1) @binding(6) var depth_atlas: texture_3d<f32>;
-@group(1) @binding(7) var depth_sampler: sampler;
+@group(1) @binding(1) var<storage, read> bodies: array<Body>;
+@group(1) @binding(2) var noise_volume: texture_3d<f32>;
+@group(1) @binding(3) var repeat: sampler;
+@group(1) @binding(4) var depth_index: texture_3d<u32>;
+@group(1) @binding(5) var depth_atlas: texture_3d<f32>;
+@group(1) @binding(6) var depth_sampler: sampler;
 
-fn medium_species(index: u32) -> Species {
-    return species[index];
-}
-
-fn medium_noise(p: vec3f, footprint: f32) -> vec2f {
-    return noise_at(noise_volume, repeat, noise_frame, p, footprint);
+fn medium_species(body: u32) -> Species {
+    return bodies[body].species;
 }
 
 fn depth_place(p: vec3f) -> DepthPlace {
@@ -27,44 +22,42 @@ fn depth_place(p: vec3f) -> DepthPlace {
     return DepthPlace(place, brick, select(textureLoad(depth_index, held, 0).x, 0u, outside));
 }
 
-// Depth, extinction, displacement and wispiness.
+// Depth, share of the densest extinction, boundary and wispiness.
 fn depth_texel(at: DepthPlace) -> vec4f {
     let coordinate = depth_coordinate(volume_frame, depth_number(at.entry), at.place - at.brick);
     return textureSampleLevel(depth_atlas, depth_sampler, coordinate, 0.0);
 }
 
 fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
-    let at = depth_place(p);
-    let texel = depth_texel(at);
-    let certain = depth_certain(volume_frame, at, texel, vec3f(0.0, 1.0, 0.0));
-    if certain.extinction >= 0.0 {
-        return certain;
-    }
-    return matter_below(depth_edge(volume_frame, texel), texel.x, medium_noise(p, footprint), blur);
+    return cloud_at(p, vec3f(0.0, 1.0, 0.0), footprint, blur, 1.0);
 }
 
 // What is there on average over the noise.
 fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
-    let at = depth_place(p);
-    let texel = depth_texel(at);
-    let certain = depth_certain(volume_frame, at, texel, vec3f(0.0, 1.0, 0.0));
-    if certain.extinction >= 0.0 {
-        return certain;
-    }
-    return matter_below(depth_edge(volume_frame, texel), texel.x, vec2f(0.0), blur);
+    return cloud_at(p, vec3f(0.0, 1.0, 0.0), 0.0, blur, 0.0);
 }
 
 fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matter {
     count(DENSITY, 1u);
     count(VOLUME_READS, 2u);
+    return cloud_at(p, direction, blur, blur, 1.0);
+}
+
+// What is at a point, seen along a direction, with this `share` of the noise.
+fn cloud_at(p: vec3f, direction: vec3f, footprint: f32, blur: f32, share: f32) -> Matter {
     let at = depth_place(p);
     let texel = depth_texel(at);
     let certain = depth_certain(volume_frame, at, texel, direction);
     if certain.extinction >= 0.0 {
-        return certain;
+        return matter_at_height(bodies[0], certain, p.y);
     }
-    count(NOISE_READS, 2u);
-    return matter_below(depth_edge(volume_frame, texel), texel.x, medium_noise(p, blur), blur);
+    let body = bodies[0];
+    var noise = vec2f(0.0);
+    if share > 0.0 {
+        count(NOISE_READS, 2u);
+        noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
+    }
+    return matter_below(body, 0u, depth_edge(volume_frame, texel), p.y, noise, blur);
 }
 
 fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
@@ -80,7 +73,7 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
     if t >= span.y || span.x >= span.y {
         return Stretch(1e30, false, 0.0, 0.0, 0u);
     }
-    let boundary = depth_boundary(volume_frame, noise_frame.frequency);
+    let boundary = depth_boundary(volume_frame, bodies[0].noise.frequency);
     let end = min(span.y, t + STRETCH * volume_frame.brick);
     return Stretch(select(end, span.x, t < span.x), t >= span.x, 0.0, boundary, 0u);
 }

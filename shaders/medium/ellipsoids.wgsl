@@ -1,41 +1,61 @@
-// The medium as a union of ellipsoids whose boundaries noise displaces. Extinction at a point is
-// that of the densest ellipsoid there, so that overlaps count once.
+// The medium as clouds of ellipsoids that join into one body, whose boundary noise displaces. Extinction at a
+// point is that of the densest cloud there, so that overlaps count once.
 //
-// Who asks knows a region that holds all there is at a place: entries of its `candidates`.
-// @use counts density noise region species
+// Who asks knows a region that holds all there is at a place: entries of its `candidates`, cloud after cloud.
+// @use counts density region
 
 @group(1) @binding(0) var<storage, read> ellipsoids: array<Ellipsoid>;
-@group(1) @binding(1) var<storage, read> species: array<Species>;
-@group(1) @binding(2) var<uniform> noise_frame: NoiseFrame;
-@group(1) @binding(3) var noise_volume: texture_3d<f32>;
-@group(1) @binding(4) var repeat: sampler;
+@group(1) @binding(1) var<storage, read> bodies: array<Body>;
+@group(1) @binding(2) var noise_volume: texture_3d<f32>;
+@group(1) @binding(3) var repeat: sampler;
 
-fn medium_species(index: u32) -> Species {
-    return species[index];
-}
-
-fn medium_noise(p: vec3f, footprint: f32) -> vec2f {
-    return noise_at(noise_volume, repeat, noise_frame, p, footprint);
+fn medium_species(body: u32) -> Species {
+    return bodies[body].species;
 }
 
 // What is at a point of a region: noise finer than `footprint`, m, is left out, and edges are no
 // sharper than `blur`, m.
 fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
-    return union_at(region, p, medium_noise(p, footprint), blur);
+    return clouds_at(region, p, footprint, blur, 1.0);
 }
 
 // What is there on average over the noise.
 fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
-    return union_at(region, p, vec2f(0.0), blur);
+    return clouds_at(region, p, 0.0, blur, 0.0);
 }
 
-fn union_at(region: Region, p: vec3f, noise: vec2f, blur: f32) -> Matter {
+// Cloud by cloud, with this `share` of the noise.
+fn clouds_at(region: Region, p: vec3f, footprint: f32, blur: f32, share: f32) -> Matter {
     var matter = CLEAR;
-    for (var i = 0u; i < region.count; i++) {
-        let e = ellipsoids[candidates[region.first + i]];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+    var i = 0u;
+    while i < region.count {
+        let index = ellipsoids[candidates[region.first + i]].body;
+        var lumps = NO_LUMPS;
+        while i < region.count {
+            let e = ellipsoids[candidates[region.first + i]];
+            if e.body != index {
+                break;
+            }
+            lumps = lumps_with(lumps, e, ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0)), bodies[index].power, bodies[index].reach);
+            i += 1u;
+        }
+        matter = matter_union(matter, cloud_at(index, lumps, p, footprint, blur, share));
     }
     return matter;
+}
+
+// A cloud whose lumps at a point are known.
+fn cloud_at(index: u32, lumps: Lumps, p: vec3f, footprint: f32, blur: f32, share: f32) -> Matter {
+    if lumps.weight <= 0.0 {
+        return CLEAR;
+    }
+    let body = bodies[index];
+    var noise = vec2f(0.0);
+    if share > 0.0 {
+        count(NOISE_READS, 2u);
+        noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
+    }
+    return matter_below(body, index, lumps_edge(lumps, body.power, body.reach), p.y, noise, blur);
 }
 
 // The ellipsoids that a ray meets next: of the tile's that it has not left, the nearest ones that
@@ -102,8 +122,6 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
     var exit = 1e30;
     var core_exit = 0.0;
     var core = 0.0;
-    var core_species = 0u;
-    var densest = 0.0;
     var boundary = 1e30;
     holding_count = 0u;
     let asked = select(near_count, region.count, crowded);
@@ -120,16 +138,15 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
                 holding_count += 1u;
             }
             exit = min(exit, outer.y);
-            densest = max(densest, e.extinction);
             let inner = ellipsoid_chord(e, origin, direction, e.core);
             if inner.x <= t && inner.y > t {
                 exit = min(exit, inner.y);
-                core_exit = select(core_exit, max(inner.y, select(0.0, core_exit, e.extinction == core)), e.extinction >= core);
-                core_species = select(core_species, e.species, e.extinction >= core);
-                core = max(core, e.extinction);
+                // Lumps of a cloud that has a core agree on the extinction in it.
+                core_exit = max(core_exit, inner.y);
+                core = e.extinction;
             } else {
                 // Only boundaries that the ray is in need short steps.
-                boundary = min(boundary, ellipsoid_boundary(e, noise_frame.frequency));
+                boundary = min(boundary, ellipsoid_boundary(e, bodies[0].noise.frequency));
                 exit = select(exit, min(exit, inner.x), inner.x < inner.y && inner.x > t);
             }
         }
@@ -137,8 +154,8 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
     let inside = exit < 1e30;
     // Beyond the end of the list there may be more.
     entry = min(entry, select(near_end, 1e30, crowded));
-    if core > 0.0 && core >= densest {
-        return Stretch(min(core_exit, entry), true, core, boundary, core_species);
+    if core > 0.0 && bodies[0].uneven == 0.0 {
+        return Stretch(core_exit, true, core, boundary, 0u);
     }
     return Stretch(min(entry, exit), inside, 0.0, boundary, 0u);
 }
@@ -151,14 +168,12 @@ fn listed(region: Region, i: u32) -> u32 {
     return near[i];
 }
 
-// The union, at a point, of the ellipsoids that the ray is in.
+// What is at a point of the ray: one cloud, of whose ellipsoids only those are asked that the ray is in.
 fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matter {
     let asked = select(holding_count, region.count, crowded);
     count(DENSITY, 1u);
-    count(NOISE_READS, 2u);
     count(ELLIPSOIDS, asked);
-    let noise = medium_noise(p, blur);
-    var matter = CLEAR;
+    var lumps = NO_LUMPS;
     for (var i = 0u; i < asked; i++) {
         var index = 0u;
         if crowded {
@@ -167,9 +182,9 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
             index = holding[i];
         }
         let e = ellipsoids[index];
-        matter = matter_with(matter, e, ellipsoid_unit(e, p, 1.0), noise, blur);
+        lumps = lumps_with(lumps, e, ellipsoid_depth(e, ellipsoid_unit(e, p, 1.0)), bodies[0].power, bodies[0].reach);
     }
-    return matter;
+    return cloud_at(0u, lumps, p, blur, blur, 1.0);
 }
 
 // Which way the cloud faces at a point, noise left out: away from where its ellipsoids

@@ -85,7 +85,7 @@ impl Fill {
             / ellipsoids.len().max(1) as f64;
         let name = self.mesh.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
         Scene {
-            noise: Noise { scale: 2.0 * mean, ..Noise::default() },
+            noise: Noise { scale: Some(2.0 * mean), ..Noise::default() },
             clouds: vec![Cloud { name: name.clone(), ellipsoids, ..Cloud::default() }],
             name,
             ..Scene::default()

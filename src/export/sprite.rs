@@ -136,7 +136,8 @@ impl Subject {
         let share = f64::from(frame) / f64::from(frames);
         let mut subject = self.clone();
         let (sin, cos) = (TAU * share).sin_cos();
-        subject.scene.noise.offset += course.travel / TAU * DVec3::new(sin, 0.0, 1.0 - cos);
+        let way = course.travel / TAU * DVec3::new(sin, 0.0, 1.0 - cos);
+        subject.scene.noises_mut().for_each(|noise| noise.offset += way);
         subject.scene.time += course.seconds * share;
         subject.turned += course.turn(frames) * f64::from(frame);
         subject

@@ -30,7 +30,6 @@ pub struct Frame {
     pub(crate) sky: SkySettings,
     /// Altitude of the ground, m.
     pub(crate) ground: f64,
-    pub(crate) noise: scene::Noise,
     pub(crate) clouds: Vec<CloudFrame>,
 }
 
@@ -78,7 +77,6 @@ impl Frame {
             sun,
             ground: moved.ground.altitude,
             clouds: clouds(&moved)?,
-            noise: moved.noise,
         };
         frame.seen_by(&camera, size)
     }
@@ -158,7 +156,7 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     for cloud in &scene.clouds {
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let medium = Shared::new(Medium::new(cloud, &scene.noise, origin)?);
+        let medium = Shared::new(Medium::new(cloud, &scene.noise, (min, max), origin)?);
         frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium });
     }
     Ok(frames)

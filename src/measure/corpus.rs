@@ -165,7 +165,7 @@ fn scaled(mut scene: Scene, factor: f64) -> Scene {
             }
         }
     }
-    scene.noise.scale *= factor;
+    scene.noise.scale = scene.noise.scale.map(|scale| factor * scale);
     scene
 }
 
@@ -175,7 +175,7 @@ fn cloud(ellipsoids: Vec<Ellipsoid>, boundary: f64, wispiness: f64) -> Cloud {
 }
 
 fn of(clouds: Vec<Cloud>, noise_scale: f64, seed: u32) -> Scene {
-    Scene { clouds, noise: Noise { seed, scale: noise_scale, ..Noise::default() }, ..Scene::default() }
+    Scene { clouds, noise: Noise { seed, scale: Some(noise_scale), ..Noise::default() }, ..Scene::default() }
 }
 
 fn ball(center: DVec3, radius: f64) -> Ellipsoid {

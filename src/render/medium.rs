@@ -17,13 +17,11 @@ pub(super) struct Media {
     device: wgpu::Device,
     queue: wgpu::Queue,
     kept: HashMap<u64, Vec<Kept>>,
-    /// Noise volumes by seed, the latest first.
-    noise: Vec<(u32, TextureView)>,
+    noise: Option<TextureView>,
     picture: u64,
     /// Clouds of so many ellipsoids or more have a baked volume.
     bake_from: u32,
-    /// How many noise volumes and volumes of depths were made so far.
-    pub noises: u32,
+    /// How many volumes of depths were made so far.
     pub baked: u32,
     layouts: HashMap<&'static str, BindGroupLayout>,
     bake: Option<ComputeProgram>,
@@ -47,8 +45,6 @@ struct Kept {
     picture: u64,
 }
 
-/// Noise volumes that are kept.
-const MOST_NOISES: usize = 4;
 /// Memory of all volumes of depths, bytes: shapes beyond it are asked, ellipsoid by ellipsoid.
 const MOST_BYTES: u64 = 256 << 20;
 /// Pictures for which what is not in them is kept.
@@ -60,10 +56,9 @@ impl Media {
             device: device.clone(),
             queue: queue.clone(),
             kept: HashMap::new(),
-            noise: Vec::new(),
+            noise: None,
             picture: 0,
             bake_from: u32::MAX,
-            noises: 0,
             baked: 0,
             layouts: HashMap::new(),
             bake: None,
@@ -146,8 +141,9 @@ impl Media {
         medium: &Medium,
         role: Role<'static>,
     ) -> BindGroup {
-        let noise = self.noise_volume(medium.seed);
-        let common = Common::new(&self.device, &[medium.species.uniform()], &medium.noise, noise);
+        let (device, queue) = (&self.device, &self.queue);
+        let noise = self.noise.get_or_insert_with(|| view(&upload_noise(device, queue))).clone();
+        let common = Common::new(device, &[medium.body], noise);
         // Any shader that has the role declares its group.
         let layout = self
             .layouts
@@ -164,26 +160,14 @@ impl Media {
             let program =
                 self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
             self.baked += 1;
-            let (device, queue) = (&self.device, &self.queue);
-            *volume =
-                Volume::Baked(DepthVolume::bake(device, queue, encoder, program, &medium.ellipsoids, plan));
+            let shape = (medium.ellipsoids.as_slice(), &medium.body);
+            *volume = Volume::Baked(DepthVolume::bake(device, queue, encoder, program, shape, plan));
         }
         match volume {
-            Volume::Baked(volume) => common.bind_depths(&self.device, &layout, volume),
+            Volume::Baked(volume) => common.bind_depths(device, &layout, volume, medium.densest()),
             Volume::Unsuited | Volume::Planned(_) => {
                 common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids)
             }
         }
-    }
-
-    fn noise_volume(&mut self, seed: u32) -> TextureView {
-        let known = self.noise.iter().position(|(known, _)| *known == seed);
-        let place = known.unwrap_or_else(|| {
-            self.noises += 1;
-            self.noise.truncate(MOST_NOISES - 1);
-            self.noise.insert(0, (seed, view(&upload_noise(&self.device, &self.queue, seed))));
-            0
-        });
-        self.noise[place].1.clone()
     }
 }

@@ -4,12 +4,14 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::At;
-use super::{Bounds, Droplets, Edge, Ellipsoid, Growth, Life, union};
+use super::validate::{At, Limits};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Growth, Life, Noise, union};
 use crate::Result;
 
+const SHARE: Limits = Limits::new(0.0, 1.0, "");
+
 /// A cloud: the union of its ellipsoids, filled with droplets of one kind.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloud {
     /// A name for people; it changes nothing in the picture.
@@ -25,6 +27,22 @@ pub struct Cloud {
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
     pub edge: Edge,
+    /// How softly its ellipsoids run into one another, 0 (each keeps its shape, with creases between them)
+    /// to 1 (one smooth body), no unit.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub blend: f64,
+    /// How much of the growth of density with height it has, 0 (the same all over) to 1 (as in air that
+    /// rises without mixing: extinction grows as the height above the base to the 2/3, and is that of the
+    /// droplets at the top), no unit.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub stratification: f64,
+    /// Share of its droplets that the rim has lost to dry air, 0 to 1, no unit; deeper than twice the
+    /// boundary none are lost.
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
+    pub dilution: f64,
+    /// The noise that shapes its boundary, and drifts with it; the scene's where left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// When it forms and dissolves; left out where it is there all the time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub life: Option<Life>,
@@ -36,8 +54,27 @@ pub struct Cloud {
     pub locked: bool,
 }
 
+impl Default for Cloud {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            growth: None,
+            ellipsoids: Vec::new(),
+            droplets: Droplets::default(),
+            edge: Edge::default(),
+            blend: 0.5,
+            stratification: 0.0,
+            dilution: 0.0,
+            noise: None,
+            life: None,
+            hidden: false,
+            locked: false,
+        }
+    }
+}
+
 impl Cloud {
-    /// A cloud that grows, with its ellipsoids, and with the water and the edges of its kind.
+    /// A cloud that grows, with its ellipsoids.
     pub fn grown(name: &str, growth: Growth) -> Self {
         let mut cloud = Self { name: name.to_owned(), growth: Some(growth), ..Self::default() };
         cloud.grow();
@@ -56,8 +93,11 @@ impl Cloud {
         self.growth.as_ref().is_some_and(|growth| growth.ellipsoids() == self.ellipsoids)
     }
 
-    /// Moves all of it by `offset`, metres; it grows there.
+    /// Moves all of it by `offset`, metres, its own noise, too; it grows there.
     pub fn shift(&mut self, offset: DVec3) {
+        if let Some(noise) = &mut self.noise {
+            noise.offset += offset;
+        }
         match &mut self.growth {
             Some(growth) => {
                 growth.place += offset;
@@ -96,6 +136,12 @@ impl Cloud {
         self.edge.check(at.field("edge"))?;
         if let Some(growth) = &self.growth {
             growth.check(at.field("growth"))?;
+        }
+        at.field("blend").number(self.blend, SHARE)?;
+        at.field("stratification").number(self.stratification, SHARE)?;
+        at.field("dilution").number(self.dilution, SHARE)?;
+        if let Some(noise) = &self.noise {
+            noise.check(at.field("noise"))?;
         }
         match &self.life {
             Some(life) => life.check(at.field("life")),

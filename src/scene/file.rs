@@ -119,7 +119,9 @@ impl Scene {
 
     /// Makes quaternions unit length; those without a direction are left to validation.
     fn normalise(&mut self) {
-        self.noise.rotation = validate::unit(self.noise.rotation);
+        for noise in self.noises_mut() {
+            noise.rotation = validate::unit(noise.rotation);
+        }
         for ellipsoid in self.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.orientation = validate::unit(ellipsoid.orientation);
         }

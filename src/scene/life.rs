@@ -111,6 +111,10 @@ pub(super) fn grown(cloud: &mut Cloud, fullness: f64) {
         ellipsoid.radii *= size;
         ellipsoid.density *= fullness;
     }
+    if let Some(noise) = &mut cloud.noise {
+        noise.scale = noise.scale.map(|scale| size * scale);
+        noise.offset = base + size * (noise.offset - base);
+    }
     let own = cloud.ellipsoids.iter_mut().filter_map(|ellipsoid| ellipsoid.edge.as_mut());
     for edge in own.chain([&mut cloud.edge]) {
         edge.boundary *= size;

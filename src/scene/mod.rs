@@ -131,6 +131,17 @@ impl Scene {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
 
+    /// Size of the largest billows of all clouds, m; 0 without clouds.
+    pub fn largest_billows(&self) -> f64 {
+        let size = |cloud: &Cloud| Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.bounds()?));
+        self.clouds.iter().filter_map(size).fold(0.0, f64::max)
+    }
+
+    /// Everything that shapes boundaries: the scene's noise, and the clouds' own.
+    pub fn noises_mut(&mut self) -> impl Iterator<Item = &mut Noise> {
+        [&mut self.noise].into_iter().chain(self.clouds.iter_mut().filter_map(|cloud| cloud.noise.as_mut()))
+    }
+
     /// The scene's camera, or one that stands on the ground south of the clouds and
     /// frames all of them in a 16:9 picture, as they are at time 0.
     pub fn camera(&self) -> Camera {

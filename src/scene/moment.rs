@@ -102,12 +102,13 @@ impl Scene {
         let wind = Drift::of(self);
         let since_start = |time: f64| wind.since_start(time);
         for cloud in &mut self.clouds {
+            cloud.fix_noise();
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));
                     let drift = since_start(life.birth + age) - since_start(life.birth + 0.5 * span);
                     life::grown(cloud, life.fullness(age, span));
-                    blow(&mut cloud.ellipsoids, drift);
+                    cloud.blow(drift);
                 }
                 (None, Some(period)) if since_start(period) != DVec3::ZERO => {
                     let (gone, round) = (since_start(time), since_start(period));
@@ -115,7 +116,7 @@ impl Scene {
                     let leaving = part(cloud, 2.0 * (1.0 - time / period), gone);
                     cloud.ellipsoids = [leaving, coming].concat();
                 }
-                (None, _) => blow(&mut cloud.ellipsoids, since_start(time)),
+                (None, _) => cloud.blow(since_start(time)),
             }
         }
     }
@@ -153,6 +154,23 @@ fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Vec<Ellipsoid> {
     ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
     blow(&mut ellipsoids, drift);
     ellipsoids
+}
+
+impl Cloud {
+    /// Tells its own noise the size of its billows, which wind must not change.
+    fn fix_noise(&mut self) {
+        if let (Some(bounds), Some(noise)) = (self.bounds(), &mut self.noise) {
+            noise.scale = Some(noise.scale_in(bounds));
+        }
+    }
+
+    /// Carries it by `drift`, m, and its own noise with it.
+    fn blow(&mut self, drift: DVec3) {
+        blow(&mut self.ellipsoids, drift);
+        if let Some(noise) = &mut self.noise {
+            noise.offset += drift;
+        }
+    }
 }
 
 fn blow(ellipsoids: &mut [Ellipsoid], drift: DVec3) {

@@ -4,26 +4,37 @@ use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Bounds;
 use super::validate::{At, COORDINATE, Limits};
 use crate::Result;
 
 const SCALE: Limits = Limits::new(0.1, 1e5, "metres");
 const DETAIL: Limits = Limits::new(0.0, 1.0, "");
+const DIMENSION: Limits = Limits::new(2.0, 2.9, "");
+/// Size of the largest billows where none is told, as a share of the cloud's size.
+const SHARE: f64 = 0.16;
 
-/// The fractal noise that shapes the boundaries of all clouds. It stands in the
-/// world: a cloud that drifts through it changes its billows.
+/// The fractal noise that shapes the boundary of a cloud: a power law over all octaves that a
+/// pixel can see. A cloud's own drifts with it; the scene's stands in the world, so that a cloud that
+/// drifts through it changes its billows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
     /// Any whole number, 0 to 4294967295: other seeds give other billows of the same kind.
     pub seed: u32,
-    /// Size of the largest billows, metres, 0.1 to 100000. About twice the thickness
-    /// of the boundary looks natural.
+    /// Size of the largest billows, metres, 0.1 to 100000: 0.16 of the cloud's size where left out, that
+    /// is the cube root of the box around it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = SCALE.min, max = SCALE.max), extend("unit" = SCALE.unit))]
-    pub scale: f64,
-    /// Strength of the fine billows against the large ones, 0 (none) to 1, no unit.
+    pub scale: Option<f64>,
+    /// Strength of billows finer than a sixteenth of the largest, 0 (none) to 1 (twice the power
+    /// law's), no unit; 0.5, by the power law, where left out.
     #[schemars(range(min = DETAIL.min, max = DETAIL.max))]
     pub detail: f64,
+    /// Dimension of the surface that the power law makes, 2 (smooth) to 2.9 (ragged), no unit: each octave
+    /// has 2^(dimension - 3) of the amplitude of the one before. Clouds have 2.35 (Lovejoy 1982).
+    #[schemars(range(min = DIMENSION.min, max = DIMENSION.max))]
+    pub dimension: f64,
     /// Shift of the noise [x, y, z], metres. Animate it to let the billows wander.
     #[schemars(with = "[f64; 3]", inner(range(min = COORDINATE.min, max = COORDINATE.max)), extend("unit" = COORDINATE.unit))]
     pub offset: DVec3,
@@ -41,8 +52,9 @@ impl Default for Noise {
     fn default() -> Self {
         Self {
             seed: 0,
-            scale: 120.0,
+            scale: None,
             detail: 0.5,
+            dimension: 2.35,
             offset: DVec3::ZERO,
             rotation: DQuat::IDENTITY,
             evolution: 0.0,
@@ -51,9 +63,18 @@ impl Default for Noise {
 }
 
 impl Noise {
+    /// Size of the largest billows of a cloud in a box, m.
+    pub fn scale_in(&self, (low, high): Bounds) -> f64 {
+        let size = (high - low).element_product().cbrt();
+        self.scale.unwrap_or((SHARE * size).clamp(SCALE.min, SCALE.max))
+    }
+
     pub(super) fn check(&self, at: At) -> Result<()> {
-        at.field("scale").number(self.scale, SCALE)?;
+        if let Some(scale) = self.scale {
+            at.field("scale").number(scale, SCALE)?;
+        }
         at.field("detail").number(self.detail, DETAIL)?;
+        at.field("dimension").number(self.dimension, DIMENSION)?;
         at.field("offset").position(self.offset)?;
         at.field("rotation").rotation(self.rotation)?;
         at.field("evolution").number(self.evolution, COORDINATE)

@@ -92,7 +92,7 @@ impl Frames {
     }
 
     pub fn course(&self, scene: &Scene) -> Course {
-        let circle = if self.seconds.is_some() { 0.0 } else { 2.0 * scene.noise.scale };
+        let circle = if self.seconds.is_some() { 0.0 } else { 2.0 * scene.largest_billows() };
         let travel = self.travel.unwrap_or(circle);
         Course { travel, turns: self.turns, seconds: self.seconds.unwrap_or(0.0) }
     }

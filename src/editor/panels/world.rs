@@ -150,12 +150,21 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
     }
 }
 
+/// Size of the largest billows that is offered where none was told, m.
+const BILLOWS: f64 = 120.0;
+
 fn noise(ui: &mut Ui, document: &mut Document) {
     let mut noise = document.scene().noise.clone();
     let default = Noise::default();
     let mut form = Form::new(ui).keyed(document, "");
     form.whole("Noise.seed", "Seed", &mut noise.seed, default.seed);
-    form.slider("Noise.scale", "Billow size", &mut noise.scale, default.scale, 1.0..=1000.0);
+    let mut scaled = noise.scale.is_some();
+    form.check("Noise.scale", "Size in metres", &mut scaled, false);
+    noise.scale = scaled.then(|| noise.scale.unwrap_or(BILLOWS));
+    if let Some(scale) = &mut noise.scale {
+        form.slider("Noise.scale", "Billow size", scale, BILLOWS, 1.0..=1000.0);
+    }
+    form.number("Noise.dimension", "Dimension", &mut noise.dimension, default.dimension);
     form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
     form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
     form.vector("Noise.offset", "Offset", &mut noise.offset, default.offset);

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 
 use glam::{UVec3, Vec3};
 
-use super::{EllipsoidUniform, ellipsoids::RISE};
+use super::{BodyUniform, EllipsoidUniform};
 use crate::gpu::{self, ComputeProgram, Role, TextureDesc};
 
 /// The module that fills the role of the medium.
@@ -20,13 +20,13 @@ pub(crate) const DEPTH_VOLUME: Role<'static> =
 /// Cells along the edge of a brick, and its corners: `shaders/lib/depth_volume.wgsl`.
 pub(crate) const CELLS: u32 = 8;
 const CORNERS: u32 = CELLS + 1;
-/// Most bricks of an atlas: 12 MiB of it.
-const MOST_STORED: usize = 2048;
+/// Most bricks of an atlas: 24 MiB of it.
+const MOST_STORED: usize = 4096;
 /// Most bricks along an axis.
 const LONGEST: u32 = 96;
 /// A cell's edge as a share of the smallest radius of most lumps (the lower quartile), at best and at worst.
 const FINEST: f32 = 1.0 / 6.0;
-const COARSEST: f32 = 0.4;
+const COARSEST: f32 = 0.5;
 /// Most entries of the lists of all bricks: 16 MiB.
 const MOST_ENTRIES: f32 = (1 << 22) as f32;
 /// From one size of bricks to the next larger one that is tried.
@@ -48,7 +48,8 @@ pub struct DepthVolumeUniform {
     pub(crate) texel: Vec3,
     pub(crate) boundary: f32,
     pub(crate) slots: [u32; 2],
-    pub(crate) rise: [f32; 2],
+    pub(crate) power: f32,
+    pub(crate) reach: f32,
 }
 
 /// `Brick` of `shaders/depth_bake.wgsl`.
@@ -76,7 +77,8 @@ pub(crate) struct Plan {
 
 /// A baked volume on the device.
 pub(crate) struct DepthVolume {
-    pub uniform: wgpu::Buffer,
+    /// But for the extinction of what is homogeneous, which is that of one medium of the shape.
+    pub uniform: DepthVolumeUniform,
     pub index: wgpu::TextureView,
     pub atlas: wgpu::TextureView,
 }
@@ -88,7 +90,7 @@ impl DepthVolume {
         queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         program: &ComputeProgram,
-        ellipsoids: &[EllipsoidUniform],
+        (ellipsoids, body): (&[EllipsoidUniform], &BodyUniform),
         plan: &Plan,
     ) -> Self {
         let slots = slots(plan.stored.len());
@@ -102,9 +104,10 @@ impl DepthVolume {
             // Depths are told no finer than a cell.
             boundary: usual_boundary(ellipsoids).max(plan.brick / CELLS as f32),
             slots: [slots.x, slots.y],
-            rise: RISE.map(|share| share as f32),
+            power: body.power,
+            reach: body.reach,
         };
-        let uniform = gpu::uniform_buffer(device, "depth volume", &uniform);
+        let buffer = gpu::uniform_buffer(device, "depth volume", &uniform);
         let format = wgpu::TextureFormat::Rgba16Float;
         let usage = wgpu::TextureUsages::STORAGE_BINDING;
         let atlas = gpu::view(&gpu::texture(
@@ -116,7 +119,7 @@ impl DepthVolume {
             gpu::storage_buffer(device, "ellipsoids of bricks", &plan.candidates),
             gpu::storage_buffer(device, "ellipsoids", ellipsoids),
         ];
-        let mut resources = vec![Some(uniform.as_entire_binding())];
+        let mut resources = vec![Some(buffer.as_entire_binding())];
         resources.extend(buffers.iter().map(|buffer| Some(buffer.as_entire_binding())));
         resources.push(Some(wgpu::BindingResource::TextureView(&atlas)));
         let group = program.bind(device, &resources);
@@ -146,8 +149,7 @@ fn densest(ellipsoids: &[EllipsoidUniform]) -> f32 {
 /// Thickness of the boundary that steps go by, m: of all ellipsoids' the lower quartile, none thicker
 /// than its ellipsoid.
 fn usual_boundary(ellipsoids: &[EllipsoidUniform]) -> f32 {
-    let mut all: Vec<f32> =
-        ellipsoids.iter().map(|e| (e.displacement + e.rise) / f32::max(1.0, 1.0 - e.core)).collect();
+    let mut all: Vec<f32> = ellipsoids.iter().map(|e| e.boundary.min(e.smallest_radius())).collect();
     let place = all.len() / 4;
     if all.is_empty() { 1.0 } else { *all.select_nth_unstable_by(place, f32::total_cmp).1 }
 }
@@ -301,7 +303,7 @@ mod tests {
         cloud
             .ellipsoids
             .iter()
-            .map(|e| EllipsoidUniform::new(cloud, e, DVec3::new(0.0, 1500.0, 0.0)))
+            .map(|e| EllipsoidUniform::new(cloud, e, DVec3::new(0.0, 1500.0, 0.0), 100.0))
             .collect()
     }
 

@@ -13,24 +13,17 @@ pub struct EllipsoidUniform {
     pub(crate) row_z: Vec4,
     pub(crate) center: Vec3,
     pub(crate) extinction: f32,
-    pub(crate) displacement: f32,
-    pub(crate) rise: f32,
+    pub(crate) boundary: f32,
     pub(crate) wispiness: f32,
     pub(crate) core: f32,
-    pub(crate) species: u32,
-    pub(crate) padding: [u32; 3],
+    pub(crate) body: u32,
 }
 
-/// Share of the boundary over which the density rises: at the sharpest, and more with
-/// wispiness. The rest is displacement by noise.
-pub(super) const RISE: [f64; 2] = [0.06, 0.4];
-
 impl EllipsoidUniform {
-    /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`.
-    pub fn new(cloud: &Cloud, ellipsoid: &Ellipsoid, origin: DVec3) -> Self {
+    /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`, whose core begins `steady` metres
+    /// below the surface.
+    pub fn new(cloud: &Cloud, ellipsoid: &Ellipsoid, origin: DVec3, steady: f64) -> Self {
         let edge = cloud.edge_of(ellipsoid);
-        let share = RISE[0] + (RISE[1] - RISE[0]) * edge.wispiness;
-        let rise = edge.boundary * share;
         let axes = DMat3::from_quat(ellipsoid.orientation);
         let row = |axis: DVec3, radius: f64| (axis / radius).extend(1.0 / radius).as_vec4();
         Self {
@@ -39,18 +32,16 @@ impl EllipsoidUniform {
             row_z: row(axes.z_axis, ellipsoid.radii.z),
             center: (ellipsoid.center - origin).as_vec3(),
             extinction: (cloud.droplets.extinction() * ellipsoid.density) as f32,
-            displacement: (edge.boundary - rise) as f32,
-            rise: rise.max(1e-3) as f32,
+            boundary: edge.boundary as f32,
             wispiness: edge.wispiness as f32,
-            core: (1.0 - edge.boundary / ellipsoid.radii.min_element()) as f32,
-            species: 0,
-            padding: [0; 3],
+            core: (1.0 - steady / ellipsoid.radii.min_element()).max(0.0) as f32,
+            body: 0,
         }
     }
 
-    /// The same ellipsoid with its middle at `center`, m, made of species `species` of a table.
-    pub(crate) fn placed(self, center: DVec3, species: u32) -> Self {
-        Self { center: center.as_vec3(), species, ..self }
+    /// The same ellipsoid with its middle at `center`, m, in body `body` of a table.
+    pub(crate) fn placed(self, center: DVec3, body: u32) -> Self {
+        Self { center: center.as_vec3(), body, ..self }
     }
 
     /// Half the extent of `axis . p`: along a unit vector, half the width in metres.

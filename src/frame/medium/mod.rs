@@ -2,6 +2,7 @@
 //! truth and exports ask modules of `shaders/medium`: all of them the ellipsoids, and preview and light of
 //! large heaps the volume of depths that is baked from those.
 
+mod body;
 mod depth_volume;
 mod ellipsoids;
 mod noise;
@@ -12,9 +13,10 @@ use std::hash::{DefaultHasher, Hasher};
 
 use glam::DVec3;
 
+pub(crate) use body::BodyUniform;
 #[cfg(test)]
-pub(crate) use depth_volume::{BrickUniform, CELLS, DepthVolumeUniform};
-pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, Plan};
+pub(crate) use depth_volume::{BrickUniform, CELLS};
+pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, DepthVolumeUniform, Plan};
 pub(crate) use ellipsoids::EllipsoidUniform;
 #[cfg(test)]
 pub(crate) use noise::FINE;
@@ -43,46 +45,67 @@ pub(crate) const ELLIPSOIDS: Role<'static> =
 pub(crate) struct Medium {
     /// Differs where anything does, but for chance.
     pub fingerprint: u64,
-    /// Differs where the ellipsoids do, but for chance.
+    /// Differs where its depths do, but for chance: not where all of it is thinner.
     pub shape: u64,
     pub ellipsoids: Vec<EllipsoidUniform>,
     /// Their middles, m from the origin of the cloud's frame.
     centers: Vec<DVec3>,
-    pub noise: NoiseFrame,
-    /// Seed of the noise volume.
-    pub seed: u32,
+    pub body: BodyUniform,
+    /// Its noise, the size of whose largest features is `scale`, m, as seen from `origin`.
+    noise: scene::Noise,
+    scale: f64,
+    origin: DVec3,
     pub species: Shared<Species>,
 }
 
 impl Medium {
-    /// What `cloud` is made of, in a frame whose origin is at `origin`.
+    /// What `cloud` is made of, which lies in the box of `bounds`, in a frame whose origin is at `origin`.
+    /// Its noise is that of its scene where it has none.
     ///
     /// # Errors
     /// Where its droplets have no phase function.
-    pub fn new(cloud: &Cloud, noise: &scene::Noise, origin: DVec3) -> Result<Self> {
+    pub fn new(cloud: &Cloud, noise: &scene::Noise, bounds: scene::Bounds, origin: DVec3) -> Result<Self> {
+        let noise = cloud.noise.as_ref().unwrap_or(noise).clone();
+        let (scale, species) = (noise.scale_in(bounds), Species::of(&cloud.droplets)?);
+        let frame = NoiseFrame::new(&noise, scale, origin);
+        let own = (bounds.0 - origin, bounds.1 - origin);
+        let steady = steady_depth(cloud);
+        let body = BodyUniform::new(cloud, own, frame, species.uniform(), steady.is_finite());
         let ellipsoids = cloud.ellipsoids.iter();
         let mut medium = Self {
             fingerprint: 0,
             shape: 0,
-            ellipsoids: ellipsoids.clone().map(|e| EllipsoidUniform::new(cloud, e, origin)).collect(),
+            ellipsoids: ellipsoids.clone().map(|e| EllipsoidUniform::new(cloud, e, origin, steady)).collect(),
             centers: ellipsoids.map(|e| e.center - origin).collect(),
-            noise: NoiseFrame::new(noise, origin),
-            seed: noise.seed,
-            species: Species::of(&cloud.droplets)?,
+            body,
+            noise,
+            scale,
+            origin,
+            species,
         };
         let mut hasher = DefaultHasher::new();
-        hasher.write(bytemuck::cast_slice(&medium.ellipsoids));
+        let densest = medium.densest().max(f32::MIN_POSITIVE);
+        for ellipsoid in &medium.ellipsoids {
+            let share = (1e4 * ellipsoid.extinction / densest).round();
+            hasher.write(bytemuck::bytes_of(&EllipsoidUniform { extinction: share, ..*ellipsoid }));
+        }
+        hasher.write(bytemuck::bytes_of(&[medium.body.power, medium.body.reach]));
         medium.shape = hasher.finish();
-        hasher.write(bytemuck::bytes_of(&medium.noise));
-        hasher.write(bytemuck::bytes_of(&medium.species.uniform()));
-        hasher.write_u32(medium.seed);
+        hasher.write(bytemuck::bytes_of(&densest));
+        hasher.write(bytemuck::bytes_of(&medium.body));
         medium.fingerprint = hasher.finish();
         Ok(medium)
     }
 
-    /// Its ellipsoids moved by `offset`, m, made of species `species` of a table.
-    pub fn moved(&self, offset: DVec3, species: u32) -> impl Iterator<Item = EllipsoidUniform> {
-        self.ellipsoids.iter().zip(&self.centers).map(move |(e, c)| e.placed(*c + offset, species))
+    /// Its ellipsoids moved by `offset`, m, in body `body` of a table.
+    pub fn moved(&self, offset: DVec3, body: u32) -> impl Iterator<Item = EllipsoidUniform> {
+        self.ellipsoids.iter().zip(&self.centers).map(move |(e, c)| e.placed(*c + offset, body))
+    }
+
+    /// Its body in a frame from which its own is seen at `offset`, m. Its species has place `table` among others.
+    pub fn body_at(&self, offset: DVec3, table: u32) -> BodyUniform {
+        let noise = NoiseFrame::new(&self.noise, self.scale, self.origin - offset);
+        self.body.moved(noise, offset, table)
     }
 
     /// The place of its species in a table, to which it is added where it is not there.
@@ -101,10 +124,25 @@ impl Medium {
     }
 }
 
-/// What every module of a medium binds: the noise and the table of species.
+/// How deep below the surface of a lump extinction changes with nothing but height, m: nowhere where lumps
+/// have densities of their own.
+fn steady_depth(cloud: &Cloud) -> f64 {
+    let densities = || cloud.ellipsoids.iter().map(|ellipsoid| ellipsoid.density);
+    if densities().fold(0.0, f64::max) > densities().fold(f64::INFINITY, f64::min) {
+        return f64::INFINITY;
+    }
+    let boundaries = cloud.ellipsoids.iter().map(|ellipsoid| cloud.edge_of(ellipsoid).boundary);
+    let thickest = boundaries.fold(0.0, f64::max);
+    if cloud.dilution > 0.0 { DILUTED * thickest } else { thickest }
+}
+
+/// Depth behind a displaced boundary, in boundaries, down to which droplets are lost, and with it the
+/// depth below the surface: `shaders/lib/density.wgsl`.
+const DILUTED: f64 = 3.0;
+
+/// What every module of a medium binds: the bodies and the noise.
 pub(crate) struct Common {
-    species: wgpu::Buffer,
-    noise: wgpu::Buffer,
+    bodies: wgpu::Buffer,
     noise_volume: wgpu::TextureView,
     repeat: wgpu::Sampler,
 }
@@ -112,13 +150,11 @@ pub(crate) struct Common {
 impl Common {
     pub fn new(
         device: &wgpu::Device,
-        species: &[SpeciesUniform],
-        noise: &NoiseFrame,
+        bodies: &[BodyUniform],
         noise_volume: wgpu::TextureView,
     ) -> Self {
         Self {
-            species: gpu::storage_buffer(device, "species", species),
-            noise: gpu::uniform_buffer(device, "noise frame", noise),
+            bodies: gpu::storage_buffer(device, "bodies", bodies),
             noise_volume,
             repeat: gpu::linear_repeat(device),
         }
@@ -133,7 +169,7 @@ impl Common {
         rest: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
         let mut resources: Vec<_> =
-            [first, &self.species, &self.noise].map(|buffer| Some(buffer.as_entire_binding())).into();
+            [first, &self.bodies].map(|buffer| Some(buffer.as_entire_binding())).into();
         resources.push(Some(wgpu::BindingResource::TextureView(&self.noise_volume)));
         resources.push(Some(wgpu::BindingResource::Sampler(&self.repeat)));
         resources.extend(rest.iter().cloned().map(Some));
@@ -156,13 +192,16 @@ impl Common {
         device: &wgpu::Device,
         layout: &wgpu::BindGroupLayout,
         volume: &DepthVolume,
+        densest: f32,
     ) -> wgpu::BindGroup {
+        let uniform = DepthVolumeUniform { core: densest, ..volume.uniform };
+        let uniform = gpu::uniform_buffer(device, "depth volume", &uniform);
         let sampler = gpu::linear_clamp_flat(device);
         let rest = [
             wgpu::BindingResource::TextureView(&volume.index),
             wgpu::BindingResource::TextureView(&volume.atlas),
             wgpu::BindingResource::Sampler(&sampler),
         ];
-        self.group(device, layout, &volume.uniform, &rest)
+        self.group(device, layout, &uniform, &rest)
     }
 }

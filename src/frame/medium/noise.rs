@@ -1,35 +1,38 @@
-//! The noise volume: made once per seed, on the CPU, from the gradient and cellular
-//! noise of the crate `noise` on a lattice that repeats.
+//! The noise volume: octaves of a power law on a lattice that repeats, made once, on the CPU.
 //!
 //! Kol reads one octave from each mip level of a volume of white noise, ten reads a
-//! sample [K 3.74]. Here three octaves are summed beforehand, so that two reads give six
+//! sample [K 3.74]. Here pairs of octaves are summed beforehand, so that two reads give eight
 //! octaves, and the mip chain is left for what it is good at: leaving out what a pixel
-//! cannot show.
+//! cannot show. One volume serves all clouds: a seed moves the place where it is read.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, OnceLock};
 
-use glam::{DQuat, DVec3, Vec4};
+use glam::{DQuat, DVec3, Vec3, Vec4};
 use half::f16;
 use noise::{
-    Vector3,
-    core::{
-        perlin::perlin_3d,
-        worley::{ReturnType, distance_functions::euclidean_squared, worley_3d},
-    },
+    core::perlin::perlin_3d,
     permutationtable::{NoiseHasher, PermutationTable},
+};
+use rand_chacha::{
+    ChaCha8Rng,
+    rand_core::{RngCore, SeedableRng},
 };
 use rayon::prelude::*;
 
 use crate::{gpu, scene};
 
 /// Texels along an edge of the volume.
-pub const SIZE: u32 = 64;
+pub const SIZE: u32 = 128;
 /// Lattice cells along an edge, for each octave: the volume repeats exactly.
-const CELLS: [u32; 3] = [4, 8, 16];
-/// Amplitude of each octave in proportion to the one before.
-const GAIN: f32 = 0.5;
-/// Standard deviation of the sum of octaves; what is beyond [-1, 1] is cut.
-const DEVIATION: f32 = 0.55;
+const CELLS: [u32; 4] = [4, 8, 16, 32];
+/// Ratio of the fine look-up's frequency to the coarse one's: it goes on where the volume's octaves end.
+pub(crate) const FINE: f64 = 16.0;
+/// Surface dimension whose power law holds within a pair of octaves; between pairs it is the scene's.
+const DIMENSION: f64 = 2.35;
+/// Standard deviation of a channel; what is beyond [-1, 1] is cut.
+const DEVIATION: f32 = 0.5;
+/// How far wisps are curled, in cells of their first octave.
+const CURL: f64 = 0.7;
 
 /// `NoiseFrame` of `shaders/lib/noise.wgsl`.
 #[repr(C)]
@@ -41,28 +44,32 @@ pub struct NoiseFrame {
     pub(crate) fine_x: Vec4,
     pub(crate) fine_y: Vec4,
     pub(crate) fine_z: Vec4,
-    pub(crate) fine_weight: f32,
+    pub(crate) amplitudes: [f32; 3],
+    pub(crate) scale: f32,
     pub(crate) texels_per_metre: f32,
     pub(crate) frequency: f32,
-    pub(crate) padding: f32,
+    pub(crate) padding: [f32; 2],
 }
 
-/// Ratio of the fine look-up's frequency to the coarse one's [K 3.4.6].
-pub(crate) const FINE: f64 = 8.0;
-
 impl NoiseFrame {
-    /// The look-up for a cloud whose frame has its origin at `origin` in the world. The
-    /// volume's periods are taken out here, in double precision.
-    pub fn new(noise: &scene::Noise, origin: DVec3) -> Self {
-        let period = noise.scale * f64::from(CELLS[0]);
-        // The noise turns one way, the place that is looked up the other.
-        let turned = noise.rotation.inverse();
-        // The fine octaves are turned against the coarse ones, so that their lattices
-        // do not line up, and slide along a diagonal as the noise evolves.
+    /// The look-up of `noise`, whose largest features are `size` metres wide, for a cloud whose frame
+    /// has its origin at `origin` in the world. The volume's periods are taken out here, in double precision.
+    pub fn new(noise: &scene::Noise, size: f64, origin: DVec3) -> Self {
+        let period = size * f64::from(CELLS[0]);
+        // Neither lattice lines up with the world or with the other.
+        let upright = DQuat::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.7);
         let apart = DQuat::from_axis_angle(DVec3::new(0.6, 0.48, 0.64), 0.9);
+        // The noise turns one way, the place that is looked up the other.
+        let turned = upright * noise.rotation.inverse();
+        // The fine octaves slide along a diagonal as the noise evolves.
         let slide = DVec3::new(0.36, 0.8, 0.48) * noise.evolution;
-        let coarse = rows(turned, period, origin - noise.offset);
-        let fine = rows(apart * turned, period / FINE, origin - noise.offset - slide);
+        let [seeded_coarse, seeded_fine] = places(noise.seed);
+        let coarse = rows(turned, period, origin - noise.offset, seeded_coarse);
+        let fine = rows(apart * turned, period / FINE, origin - noise.offset - slide, seeded_fine);
+        // An octave's amplitude over that of the one before.
+        let gain = 2_f64.powf(noise.dimension - 3.0);
+        let amplitudes = [gain.powi(2), 2.0 * noise.detail * gain.powi(4), 2.0 * noise.detail * gain.powi(6)];
+        let variance = 1.0 + amplitudes.iter().map(|a| a * a).sum::<f64>();
         Self {
             coarse_x: coarse[0],
             coarse_y: coarse[1],
@@ -70,35 +77,87 @@ impl NoiseFrame {
             fine_x: fine[0],
             fine_y: fine[1],
             fine_z: fine[2],
-            fine_weight: noise.detail as f32,
+            amplitudes: amplitudes.map(|a| a as f32),
+            scale: variance.sqrt().recip() as f32,
             texels_per_metre: (f64::from(SIZE) / period) as f32,
-            frequency: (1.0 / noise.scale) as f32,
-            padding: 0.0,
+            frequency: (1.0 / size) as f32,
+            padding: [0.0; 2],
         }
     }
 }
 
-fn rows(turn: DQuat, period: f64, origin: DVec3) -> [Vec4; 3] {
-    let start = turn * origin / period;
+/// Where a seed begins to read, in periods, coarse and fine.
+fn places(seed: u32) -> [DVec3; 2] {
+    let mut random = ChaCha8Rng::seed_from_u64(u64::from(seed));
+    let mut place = || DVec3::from([(); 3].map(|()| f64::from(random.next_u32()) / 2_f64.powi(32)));
+    [place(), place()]
+}
+
+fn rows(turn: DQuat, period: f64, origin: DVec3, place: DVec3) -> [Vec4; 3] {
+    let start = turn * origin / period + place;
     [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
         let row = turn.inverse() * axis / period;
         row.extend(start.dot(axis).rem_euclid(1.0)).as_vec4()
     })
 }
 
-/// Billows and wisps in [-1, 1], in order x, y, z: mean 0, each octave normalised.
-pub fn bake(seed: u32) -> Vec<[f32; 2]> {
-    let wisps = sum_octaves(seed, perlin_3d);
-    let billows = sum_octaves(seed.wrapping_add(1), |point, hasher| {
-        -worley_3d(hasher, euclidean_squared, ReturnType::Distance, point)
-    });
-    billows.into_iter().zip(wisps).map(|(billow, wisp)| [billow, wisp]).collect()
+/// A texel: billows of octaves 1 and 2, of 3 and 4, wisps of all four, nothing yet.
+type Texel = [f32; 4];
+
+/// Billows and wisps in [-1, 1], in order x, y, z: each with mean 0.
+pub fn bake() -> Vec<Texel> {
+    let gain = 2_f64.powf(DIMENSION - 3.0) as f32;
+    let billows = [0, 1, 2, 3].map(|octave| normalised(billows(octave)));
+    let pair = |a: &[f32], b: &[f32]| told(a.iter().zip(b).map(|(a, b)| a + gain * b).collect());
+    let (coarse, fine) = (pair(&billows[0], &billows[1]), pair(&billows[2], &billows[3]));
+    let wisps = told(wisps(gain));
+    (0..coarse.len()).map(|i| [coarse[i], fine[i], wisps[i], 0.0]).collect()
+}
+
+/// With the deviation of a channel.
+fn told(values: Vec<f32>) -> Vec<f32> {
+    normalised(values).into_iter().map(|value| (DEVIATION * value).clamp(-1.0, 1.0)).collect()
+}
+
+/// Rounded heaps with sharp valleys: how near the nearest of random points is, one of which is in each
+/// cell of a lattice (Worley 1996).
+fn billows(octave: usize) -> Vec<f32> {
+    let cells = CELLS[octave];
+    let mut random = ChaCha8Rng::seed_from_u64(octave as u64);
+    let mut unit = || random.next_u32() as f32 / 2_f32.powi(32);
+    let points: Vec<Vec3> = (0..cells.pow(3)).map(|_| Vec3::new(unit(), unit(), unit())).collect();
+    let step = cells as f32 / SIZE as f32;
+    let near = |cell: [i32; 3], d: [i32; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|i| (cell[i] + d[i]).rem_euclid(cells as i32) as u32);
+        points[((z * cells + y) * cells + x) as usize] + Vec3::from(d.map(|d| d as f32))
+    };
+    let around: Vec<[i32; 3]> = (0..27).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]).collect();
+    // Texels of a cell along x share its neighbours.
+    let run = SIZE / cells;
+    let row = |i: u32| {
+        let at = [i % cells * run, i / cells % SIZE, i / (cells * SIZE)];
+        let place = Vec3::from(at.map(|x| (x as f32 + 0.5) * step));
+        let cell = place.floor();
+        let cell_number = cell.as_ivec3().to_array();
+        let neighbours: Vec<Vec3> = around.iter().map(|&d| near(cell_number, d) - (place - cell)).collect();
+        (0..run).map(move |k| {
+            let offset = Vec3::X * (k as f32 * step);
+            -neighbours.iter().map(|p| (*p - offset).length_squared()).fold(f32::INFINITY, f32::min)
+        }).collect::<Vec<f32>>()
+    };
+    (0..cells * SIZE * SIZE).into_par_iter().flat_map_iter(row).collect()
 }
 
 /// The permutation table of the crate, on a lattice that repeats.
 struct Periodic {
     table: PermutationTable,
     period: isize,
+}
+
+impl Periodic {
+    fn new(seed: u32, cells: u32) -> Self {
+        Self { table: PermutationTable::new(seed), period: cells as isize }
+    }
 }
 
 impl NoiseHasher for Periodic {
@@ -111,27 +170,25 @@ impl NoiseHasher for Periodic {
     }
 }
 
-fn sum_octaves(seed: u32, noise: impl Fn(Vector3<f64>, &Periodic) -> f64 + Sync) -> Vec<f32> {
-    let mut sum = vec![0.0; (SIZE * SIZE * SIZE) as usize];
-    for (octave, cells) in CELLS.into_iter().enumerate() {
-        let table = PermutationTable::new(seed.wrapping_mul(31).wrapping_add(octave as u32));
-        let hasher = Periodic { table, period: cells as isize };
-        let amplitude = GAIN.powi(octave as i32);
-        let values = normalised(octave_values(cells, |point| noise(point, &hasher)));
-        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += amplitude * value);
-    }
-    normalised(sum).into_iter().map(|value| (DEVIATION * value).clamp(-1.0, 1.0)).collect()
-}
-
-fn octave_values(cells: u32, noise: impl Fn(Vector3<f64>) -> f64 + Sync) -> Vec<f32> {
-    let step = f64::from(cells) / f64::from(SIZE);
-    (0..SIZE * SIZE * SIZE)
-        .into_par_iter()
-        .map(|i| {
-            let texel = [i % SIZE, i / SIZE % SIZE, i / (SIZE * SIZE)];
-            noise(Vector3::from(texel.map(|x| (f64::from(x) + 0.5) * step))) as f32
-        })
-        .collect()
+/// Veils: the sheets on which gradient noise (Perlin 1985) goes through zero, curled by noise of their size.
+fn wisps(gain: f32) -> Vec<f32> {
+    let curls = [11, 12, 13].map(|seed| Periodic::new(seed, CELLS[0]));
+    let octaves: Vec<Periodic> = (20..).zip(CELLS).map(|(seed, cells)| Periodic::new(seed, cells)).collect();
+    let value = |i: u32| {
+        let texel = DVec3::new(f64::from(i % SIZE), f64::from(i / SIZE % SIZE), f64::from(i / (SIZE * SIZE)));
+        let place = (texel + 0.5) / f64::from(SIZE);
+        let first = f64::from(CELLS[0]) * place;
+        let curl = curls.each_ref().map(|curl| perlin_3d(first.to_array().into(), curl));
+        let curled = place + CURL / f64::from(CELLS[0]) * DVec3::from(curl);
+        let (mut sum, mut amplitude) = (0.0, 1.0);
+        for (octave, cells) in octaves.iter().zip(CELLS) {
+            let at = f64::from(cells) * curled;
+            sum -= amplitude * perlin_3d(at.to_array().into(), octave).abs() as f32;
+            amplitude *= gain;
+        }
+        sum
+    };
+    (0..SIZE.pow(3)).into_par_iter().map(value).collect()
 }
 
 /// Mean 0, variance 1.
@@ -144,50 +201,43 @@ fn normalised(values: Vec<f32>) -> Vec<f32> {
 }
 
 /// Uploads the baked noise with its mip chain, as half floats.
-pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, seed: u32) -> wgpu::Texture {
+pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::Texture {
     let texture = gpu::texture(
         device,
         &gpu::TextureDesc {
             label: "noise",
             size: [SIZE; 3],
             mips: SIZE.ilog2() + 1,
-            format: wgpu::TextureFormat::Rg16Float,
+            format: wgpu::TextureFormat::Rgba16Float,
             usage: wgpu::TextureUsages::empty(),
         },
     );
-    for (mip, texels) in (0..).zip(levels(seed).iter()) {
+    for (mip, texels) in (0..).zip(levels().iter()) {
         write_level(queue, &texture, mip, SIZE >> mip, texels);
     }
     texture
 }
 
 /// The noise as textures take it, finest level first.
-type Levels = Arc<Vec<Vec<[f16; 2]>>>;
+type Levels = Arc<Vec<Vec<[f16; 4]>>>;
 
-/// Noise of the seeds asked for lately: each renderer, path tracer and voxel grid takes its own copy
+/// The noise with its mip chain, baked once: each renderer, path tracer and voxel grid takes its own copy
 /// to the device.
-static KNOWN: Mutex<Vec<(u32, Levels)>> = Mutex::new(Vec::new());
-const MOST_KNOWN: usize = 4;
-
-/// The noise of a seed with its mip chain, baked once for as long as it is known.
-fn levels(seed: u32) -> Levels {
-    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, levels)) = known.iter().find(|(other, _)| *other == seed) {
-        return levels.clone();
-    }
-    let halves = |level: &Vec<[f32; 2]>| level.iter().map(|texel| texel.map(f16::from_f32)).collect();
-    let coarser = |level: &Vec<[f32; 2]>| {
+fn levels() -> Levels {
+    static KNOWN: OnceLock<Levels> = OnceLock::new();
+    let halves = |level: &Vec<Texel>| level.iter().map(|texel| texel.map(f16::from_f32)).collect();
+    let coarser = |level: &Vec<Texel>| {
         let size = level.len().ilog2() / 3;
         (size > 0).then(|| halved(level, 1 << (size - 1)))
     };
-    let levels: Levels =
-        Arc::new(std::iter::successors(Some(bake(seed)), coarser).map(|level| halves(&level)).collect());
-    known.truncate(MOST_KNOWN - 1);
-    known.insert(0, (seed, levels.clone()));
-    levels
+    KNOWN
+        .get_or_init(|| {
+            Arc::new(std::iter::successors(Some(bake()), coarser).map(|level| halves(&level)).collect())
+        })
+        .clone()
 }
 
-fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32, texels: &[[f16; 2]]) {
+fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32, texels: &[[f16; 4]]) {
     queue.write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
@@ -196,24 +246,24 @@ fn write_level(queue: &wgpu::Queue, texture: &wgpu::Texture, mip: u32, size: u32
             aspect: wgpu::TextureAspect::All,
         },
         bytemuck::cast_slice(texels),
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size), rows_per_image: Some(size) },
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * size), rows_per_image: Some(size) },
         wgpu::Extent3d { width: size, height: size, depth_or_array_layers: size },
     );
 }
 
 /// Means of eight texels, for an edge of `size` texels.
-fn halved(level: &[[f32; 2]], size: u32) -> Vec<[f32; 2]> {
+fn halved(level: &[Texel], size: u32) -> Vec<Texel> {
     let at = |x: u32, y: u32, z: u32| level[((z * 2 * size + y) * 2 * size + x) as usize];
     let mean = |i: u32| {
         let (x, y, z) = (2 * (i % size), 2 * (i / size % size), 2 * (i / (size * size)));
-        let mut sum = [0.0; 2];
+        let mut sum = [0.0; 4];
         for corner in 0..8 {
             let texel = at(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
-            sum = [sum[0] + texel[0], sum[1] + texel[1]];
+            sum.iter_mut().zip(texel).for_each(|(sum, value)| *sum += value);
         }
         sum.map(|sum| sum / 8.0)
     };
-    (0..size * size * size).map(mean).collect()
+    (0..size.pow(3)).into_par_iter().map(mean).collect()
 }
 
 #[cfg(test)]

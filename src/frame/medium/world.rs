@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Common, EllipsoidUniform, NoiseFrame, Species, SpeciesUniform, upload_noise};
+use super::{BodyUniform, Common, EllipsoidUniform, Species, upload_noise};
 use crate::{
     frame::{Frame, Shared},
     gpu::{Gpu, view},
@@ -12,31 +12,30 @@ use crate::{
 pub(crate) struct World {
     /// Its origin: the middle of all clouds.
     pub origin: DVec3,
+    /// Cloud after cloud.
     pub ellipsoids: Vec<EllipsoidUniform>,
     /// What they are made of: each kind once.
     pub species: Vec<Shared<Species>>,
-    noise: NoiseFrame,
-    seed: u32,
+    bodies: Vec<BodyUniform>,
 }
 
 impl World {
     pub fn new(frame: &Frame) -> Self {
         let (low, high) = frame.bounds().unwrap_or_default();
         let origin = 0.5 * (low + high);
-        let (mut ellipsoids, mut species) = (Vec::new(), Vec::<Shared<Species>>::new());
+        let (mut ellipsoids, mut bodies, mut species) = (Vec::new(), Vec::new(), Vec::new());
         for cloud in &frame.clouds {
-            let index = cloud.medium.species_among(&mut species);
-            ellipsoids.extend(cloud.medium.moved(cloud.origin - origin, index));
+            let offset = cloud.origin - origin;
+            ellipsoids.extend(cloud.medium.moved(offset, bodies.len() as u32));
+            bodies.push(cloud.medium.body_at(offset, cloud.medium.species_among(&mut species)));
         }
-        let noise = NoiseFrame::new(&frame.noise, origin);
-        Self { origin, ellipsoids, species, noise, seed: frame.noise.seed }
+        Self { origin, ellipsoids, species, bodies }
     }
 
     /// What shaders bind for it as their group of the medium.
     pub fn bind(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        let species: Vec<SpeciesUniform> = self.species.iter().map(|species| species.uniform()).collect();
-        let noise_volume = view(&upload_noise(&gpu.device, &gpu.queue, self.seed));
-        let common = Common::new(&gpu.device, &species, &self.noise, noise_volume);
+        let noise_volume = view(&upload_noise(&gpu.device, &gpu.queue));
+        let common = Common::new(&gpu.device, &self.bodies, noise_volume);
         common.bind_ellipsoids(&gpu.device, layout, &self.ellipsoids)
     }
 }

@@ -4,8 +4,8 @@
 use glam::DVec3;
 
 use crate::frame::{
-    CloudFrame, Shared,
-    medium::{EllipsoidUniform, Medium, Species},
+    CloudFrame,
+    medium::{BodyUniform, EllipsoidUniform, Medium},
 };
 
 /// A cloud that may stand before another.
@@ -16,13 +16,14 @@ pub(super) struct Occluder<'a> {
 }
 
 impl Occluder<'_> {
-    /// The ellipsoids of all of them, and the species that those name.
-    pub fn ellipsoids(occluders: &[Self]) -> (Vec<EllipsoidUniform>, Vec<Shared<Species>>) {
-        let (mut all, mut species) = (Vec::new(), Vec::<Shared<Species>>::new());
+    /// The ellipsoids of all of them, one after the other, and the bodies that those name.
+    pub fn ellipsoids(occluders: &[Self]) -> (Vec<EllipsoidUniform>, Vec<BodyUniform>) {
+        let (mut all, mut bodies) = (Vec::new(), Vec::new());
         for Self { medium, offset } in occluders {
-            all.extend(medium.moved(*offset, medium.species_among(&mut species)));
+            all.extend(medium.moved(*offset, bodies.len() as u32));
+            bodies.push(medium.body_at(*offset, 0));
         }
-        (all, species)
+        (all, bodies)
     }
 }
 

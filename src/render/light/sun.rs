@@ -10,7 +10,7 @@ use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs, occluders::Occluder
 use crate::{
     frame::{
         Shared,
-        medium::{EllipsoidUniform, Medium, Species, SpeciesUniform},
+        medium::{BodyUniform, EllipsoidUniform, Medium},
     },
     gpu::{self, ComputeProgram, TextureDesc},
     render::medium::Media,
@@ -39,7 +39,7 @@ pub(super) struct SunKey {
     pub mapped: bool,
     /// Ellipsoids of other clouds that shade this one, in its frame, and what those are made of.
     shading: Vec<EllipsoidUniform>,
-    species: Vec<Shared<Species>>,
+    bodies: Vec<BodyUniform>,
 }
 
 impl SunKey {
@@ -50,13 +50,13 @@ impl SunKey {
         resolution: u32,
         mapped: bool,
     ) -> Self {
-        let (all, mut species) = Occluder::ellipsoids(others);
+        let (all, mut bodies) = Occluder::ellipsoids(others);
         let (light_box, shading) = LightBox::new(&medium.ellipsoids, &all, along, resolution);
         if shading.is_empty() {
-            species.clear();
+            bodies.clear();
         }
         let voxels = light_box.voxels(resolution);
-        Self { of: BoxKey { medium: medium.clone(), light_box, voxels }, mapped, shading, species }
+        Self { of: BoxKey { medium: medium.clone(), light_box, voxels }, mapped, shading, bodies }
     }
 }
 
@@ -103,13 +103,12 @@ impl SunPass {
             ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
         });
         let bricks = Bricks::with_others(light_box, &medium.ellipsoids, &key.shading, *voxels);
-        let species: Vec<SpeciesUniform> = key.species.iter().map(|species| species.uniform()).collect();
         let uniform = gpu::uniform_buffer(device, "light box", light_box);
         let buffers = [
             gpu::storage_buffer(device, "bricks", &bricks.lists),
             gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
             gpu::storage_buffer(device, "ellipsoids of other clouds", &key.shading),
-            gpu::storage_buffer(device, "species of other clouds", &species),
+            gpu::storage_buffer(device, "bodies of other clouds", &key.bodies),
         ];
         let depths_0 = gpu::mip(&depths, 0);
         let mut resources = vec![Some(uniform.as_entire_binding())];

@@ -188,11 +188,6 @@ impl Renderer {
         self.redone + self.lights.redone
     }
 
-    /// How many noise volumes this renderer has made so far: one for each seed after another.
-    pub fn noise_updates(&self) -> u32 {
-        self.media.noises
-    }
-
     /// What `shaders/march.wgsl` has been compiled for so far.
     pub fn variants(&self) -> impl Iterator<Item = &Variant> {
         self.march.variants()

@@ -95,9 +95,10 @@ impl Preset {
     /// The scene that grows from `seed`: the same on every platform and in every run.
     pub fn scene(self, seed: u64) -> Scene {
         let dice = &mut Dice::new(seed);
-        let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice, (seed ^ (seed >> 32)) as u32), ..Scene::default() };
-        scene.noise =
-            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: self.noise_scale(), ..Noise::default() };
+        let short = (seed ^ (seed >> 32)) as u32;
+        let clouds = self.clouds(dice, short);
+        let mut scene = Scene { name: self.name().to_owned(), clouds, ..Scene::default() };
+        scene.noise = Noise { seed: short, scale: self.noise_scale(), ..Noise::default() };
         scene.sun.position = SunPosition::Angles { azimuth_deg: 252.0, elevation_deg: 30.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
@@ -134,16 +135,12 @@ impl Preset {
         }
     }
 
-    /// Size of the largest billows, metres: about one and a half times the boundary.
-    fn noise_scale(self) -> f64 {
+    /// Size of the largest billows of the scene's noise, metres, where clouds have none of their own.
+    fn noise_scale(self) -> Option<f64> {
         match self {
-            Self::Humilis | Self::Glory | Self::Fractus | Self::Drift => 60.0,
-            Self::Stratocumulus | Self::OpenCells => 110.0,
-            Self::Mediocris => 140.0,
-            Self::Sphere | Self::Kol => 80.0,
-            Self::Congestus | Self::Tower => 280.0,
-            Self::Field => 200.0,
-            Self::Cumulonimbus => 700.0,
+            Self::Glory => Some(60.0),
+            Self::Sphere | Self::Kol => Some(80.0),
+            _ => None,
         }
     }
 }

@@ -1,30 +1,87 @@
 //! Clouds that grow, with the water, the edges and the noise of their kind.
 
-use crate::scene::{Cloud, Droplets, Edge, Growth, GrowthKind};
+use crate::scene::{Cloud, Droplets, Edge, Growth, GrowthKind, Noise};
 
-/// A cloud of a kind as it is usual, grown from `seed`.
+/// What a kind is made of, beside its shape. All of it stands in the file, to be changed.
+struct Make {
+    concentration_per_cm3: f64,
+    effective_radius_um: f64,
+    /// Thickness of the boundary that noise shapes, of the cloud's size.
+    boundary: f64,
+    wispiness: f64,
+    blend: f64,
+    stratification: f64,
+    dilution: f64,
+    /// Size of the largest billows, of the cloud's size.
+    billows: f64,
+}
+
+/// A cloud as it is usual for what grows: the one place where that is said.
 pub(super) fn cloud(name: &str, growth: Growth) -> Cloud {
-    let (droplets, edge) = (droplets(growth.kind), edge(&growth));
-    Cloud { droplets, edge, ..Cloud::grown(name, growth) }
+    let make = make(growth.kind);
+    let size = size(&growth);
+    Cloud {
+        droplets: Droplets {
+            concentration_per_cm3: make.concentration_per_cm3,
+            effective_radius_um: make.effective_radius_um,
+            ..Droplets::default()
+        },
+        edge: Edge { boundary: (make.boundary * size).round().max(1.0), wispiness: make.wispiness },
+        blend: make.blend,
+        stratification: make.stratification,
+        dilution: make.dilution,
+        noise: Some(Noise {
+            seed: growth.seed,
+            scale: Some((make.billows * size).round().max(1.0)),
+            ..Noise::default()
+        }),
+        ..Cloud::grown(name, growth)
+    }
 }
 
-/// The one place where grown clouds get their water.
-fn droplets(kind: GrowthKind) -> Droplets {
-    let (concentration_per_cm3, effective_radius_um) = match kind {
-        GrowthKind::Humilis | GrowthKind::Fractus => (300.0, 7.0),
-        GrowthKind::Mediocris | GrowthKind::ClosedCells => (250.0, 8.0),
-        GrowthKind::Congestus | GrowthKind::OpenCells => (200.0, 9.0),
-        GrowthKind::Cumulonimbus => (100.0, 11.0),
+/// What is usual for a kind.
+fn make(kind: GrowthKind) -> Make {
+    let heap = Make {
+        concentration_per_cm3: 300.0,
+        effective_radius_um: 9.0,
+        boundary: 0.05,
+        wispiness: 0.1,
+        blend: 0.4,
+        stratification: 0.7,
+        dilution: 0.3,
+        billows: 0.12,
     };
-    Droplets { concentration_per_cm3, effective_radius_um, ..Droplets::default() }
+    match kind {
+        GrowthKind::Humilis => Make { effective_radius_um: 8.0, boundary: 0.07, wispiness: 0.2, ..heap },
+        GrowthKind::Mediocris => heap,
+        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.04, wispiness: 0.05, ..heap },
+        GrowthKind::Cumulonimbus => Make {
+            concentration_per_cm3: 100.0,
+            effective_radius_um: 12.0,
+            boundary: 0.03,
+            wispiness: 0.05,
+            dilution: 0.0,
+            ..heap
+        },
+        GrowthKind::Fractus => Make {
+            concentration_per_cm3: 200.0,
+            effective_radius_um: 7.0,
+            boundary: 0.12,
+            wispiness: 0.6,
+            stratification: 0.0,
+            dilution: 0.5,
+            ..heap
+        },
+        GrowthKind::ClosedCells | GrowthKind::OpenCells => {
+            Make { concentration_per_cm3: 150.0, boundary: 0.12, wispiness: 0.25, billows: 0.4, ..heap }
+        }
+    }
 }
 
-/// The one place where grown clouds get their edges.
-fn edge(growth: &Growth) -> Edge {
-    Edge { boundary: (0.05 * growth.width.min(2.0 * growth.height)).round(), wispiness: 0.2 }
-}
-
-/// Size of the largest billows of the noise, metres.
-pub(super) fn noise_scale(growth: &Growth) -> f64 {
-    (0.09 * growth.width.min(2.5 * growth.height)).round()
+/// What lengths of the surface go by, metres: the width of a heap, the height of a layer.
+fn size(growth: &Growth) -> f64 {
+    match growth.kind {
+        GrowthKind::ClosedCells | GrowthKind::OpenCells => growth.height,
+        _ => (growth.width * growth.height.min(growth.width)).sqrt(),
+    }
 }

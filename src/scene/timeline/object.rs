@@ -70,7 +70,13 @@ impl Object {
                 world.noise.rotation = unit(world.noise.rotation);
                 Self::World(world)
             }
-            Self::Cloud(i, _) => Self::Cloud(*i, read(value)?),
+            Self::Cloud(i, _) => {
+                let mut cloud: Box<Cloud> = read(value)?;
+                if let Some(noise) = &mut cloud.noise {
+                    noise.rotation = unit(noise.rotation);
+                }
+                Self::Cloud(*i, cloud)
+            }
             Self::Ellipsoid(i, j, _) => {
                 let mut ellipsoid: Box<Ellipsoid> = read(value)?;
                 ellipsoid.orientation = unit(ellipsoid.orientation);
@@ -232,6 +238,10 @@ fn shell(cloud: &Cloud) -> Cloud {
         ellipsoids: Vec::new(),
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),
+        blend: cloud.blend,
+        stratification: cloud.stratification,
+        dilution: cloud.dilution,
+        noise: cloud.noise.clone(),
         life: cloud.life.clone(),
         hidden: cloud.hidden,
         locked: cloud.locked,

@@ -1,0 +1,57 @@
+//! What is the same all over a cloud, as the shaders see it.
+
+use glam::DVec3;
+
+use super::{NoiseFrame, SpeciesUniform};
+use crate::scene::Cloud;
+
+/// `Body` of `shaders/lib/body.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct BodyUniform {
+    pub(crate) noise: NoiseFrame,
+    pub(crate) species: SpeciesUniform,
+    pub(crate) power: f32,
+    pub(crate) reach: f32,
+    pub(crate) base: f32,
+    pub(crate) inverse_height: f32,
+    pub(crate) stratification: f32,
+    pub(crate) dilution: f32,
+    pub(crate) uneven: f32,
+    pub(crate) table: u32,
+}
+
+/// Exponents with which depths of lumps are joined: creases between them, and one smooth body.
+const POWERS: [f64; 2] = [8.0, 2.0];
+
+impl BodyUniform {
+    /// That of `cloud`, whose box goes from `low` to `high`, made of `species`, whose noise is `noise`;
+    /// whether all its lumps are equally dense.
+    pub fn new(
+        cloud: &Cloud,
+        (low, high): (DVec3, DVec3),
+        noise: NoiseFrame,
+        species: SpeciesUniform,
+        equal: bool,
+    ) -> Self {
+        let uneven = !equal || cloud.stratification > 0.0;
+        let deepest = cloud.ellipsoids.iter().map(|e| e.radii.min_element()).fold(1e-3, f64::max);
+        Self {
+            noise,
+            species,
+            power: (POWERS[0] + (POWERS[1] - POWERS[0]) * cloud.blend) as f32,
+            reach: deepest as f32,
+            base: low.y as f32,
+            inverse_height: (1.0 / (high.y - low.y).max(1e-6)) as f32,
+            stratification: cloud.stratification as f32,
+            dilution: cloud.dilution as f32,
+            uneven: f32::from(u8::from(uneven)),
+            table: 0,
+        }
+    }
+
+    /// The same body seen from an origin that is `offset` from its own, m, with its noise read from there.
+    pub fn moved(self, noise: NoiseFrame, offset: DVec3, table: u32) -> Self {
+        Self { noise, base: self.base + offset.y as f32, table, ..self }
+    }
+}
