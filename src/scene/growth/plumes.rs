@@ -28,7 +28,7 @@ pub(super) struct Habit {
 }
 
 const fn brood(tries: u32, lowest: f64, least: f64) -> Brood {
-    Brood { tries, ratio: (0.34, 0.6), seat: 0.8, lowest, least }
+    Brood { tries, ratio: (0.34, 0.6), seat: 0.92, lowest, least }
 }
 
 pub(super) const HUMILIS: Habit = Habit {

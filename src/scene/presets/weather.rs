@@ -43,18 +43,18 @@ pub(super) fn cloud(name: &str, growth: Growth) -> Cloud {
 fn make(kind: GrowthKind) -> Make {
     let heap = Make {
         concentration_per_cm3: 300.0,
-        effective_radius_um: 9.0,
+        effective_radius_um: 11.0,
         boundary: 0.05,
-        wispiness: 0.1,
-        blend: 0.4,
-        stratification: 0.7,
-        dilution: 0.3,
-        billows: 0.12,
+        wispiness: 0.0,
+        blend: 0.15,
+        stratification: 0.75,
+        dilution: 0.0,
+        billows: 0.1,
     };
     match kind {
-        GrowthKind::Humilis => Make { effective_radius_um: 8.0, boundary: 0.07, wispiness: 0.2, ..heap },
+        GrowthKind::Humilis => Make { concentration_per_cm3: 350.0, boundary: 0.07, wispiness: 0.05, ..heap },
         GrowthKind::Mediocris => heap,
-        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.04, wispiness: 0.05, ..heap },
+        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.04, ..heap },
         GrowthKind::Cumulonimbus => Make {
             concentration_per_cm3: 100.0,
             effective_radius_um: 12.0,
