@@ -35,6 +35,8 @@ pub use file::schema;
 pub use growth::{Growth, GrowthKind};
 pub use life::Life;
 pub use noise::Noise;
+#[cfg(feature = "measure")]
+pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};

@@ -1,11 +1,12 @@
 //! Clouds to start from, each with a camera and a sun that suit it.
 
-mod cumulus;
 mod drift;
 mod field;
 mod grow;
 mod heap;
 mod layer;
+#[cfg(feature = "measure")]
+pub(crate) mod smooth;
 mod weather;
 
 use std::fmt;
@@ -139,6 +140,7 @@ impl Preset {
     fn noise_scale(self) -> Option<f64> {
         match self {
             Self::Glory => Some(60.0),
+            Self::Drift => Some(45.0),
             Self::Sphere | Self::Kol => Some(80.0),
             _ => None,
         }
