@@ -9,12 +9,12 @@ use super::heading::along;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
-const SHEETS: u64 = 90;
+const SHEETS: u64 = 110;
 const FIBRES: u64 = 320;
 const POUCHES: u64 = 150;
 
 /// Height of the anvil's underside, of the storm's.
-const DECK: f64 = 0.8;
+const DECK: f64 = 0.84;
 
 /// Grows the anvil on the tower.
 pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
@@ -36,7 +36,7 @@ fn summit(pile: &Pile) -> DVec3 {
 
 /// The dome of the strongest updraught, above the anvil.
 fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
-    let size = 0.11 * growth.width;
+    let size = 0.13 * growth.width;
     let first = pile.lumps().len();
     for (i, lift) in [(0, -0.9), (1, 0.0), (2, 0.35)] {
         let center = DVec3::new(top.x + 0.2 * lift * size, growth.height - (1.1 - lift) * size, top.z);
@@ -60,19 +60,19 @@ fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
         let dice = &mut Dice::new(mixed(key, 100 + i));
         let along = i as f64 / (SHEETS - 1) as f64;
         let jitter = dice.disc();
-        // Near the tower it reaches farther down: what spreads there has just risen.
-        let funnel = (1.0 - 3.0 * along).max(0.0);
+        // Near the tower it is thick and reaches farther down: what spreads there has just risen.
+        let near = (1.0 - 2.0 * along).max(0.0);
         let center = DVec3::new(
-            top.x - 0.2 * wide + 1.9 * wide * along + 0.1 * wide * jitter.x,
-            growth.height * (DECK + 0.07 * along + 0.04) + wide * (0.02 * dice.unit() - 0.055 * funnel * dice.unit()),
-            top.z + wide * (0.24 + 0.26 * along) * jitter.z,
+            top.x - 0.45 * wide + 2.2 * wide * along + 0.12 * wide * jitter.x,
+            growth.height * (DECK + 0.05 * along) + wide * (0.02 * dice.unit() - 0.05 * near * dice.unit()),
+            top.z + wide * (0.3 + 0.3 * along) * jitter.z,
         );
-        let thin = 0.05 * (1.0 - along) * (1.0 - 0.6 * along) + 0.006;
+        let thin = 0.008 + 0.06 * (1.0 - along) * (1.0 - along);
         let radii = wide
             * DVec3::new(
-                dice.between(0.16, 0.3) * (1.0 - 0.4 * funnel),
-                thin * dice.between(0.6, 1.15),
-                dice.between(0.07, 0.18) * (1.0 - 0.3 * along),
+                dice.between(0.2, 0.36),
+                thin * dice.between(0.6, 1.1),
+                dice.between(0.12, 0.24) * (1.0 - 0.3 * along) * (1.0 + 0.6 * near),
             );
         let size = wide * (0.9 - 0.8 * along);
         let turn = out_from(top, wide, center);

@@ -47,6 +47,25 @@ pub(super) struct Lump {
     pub key: u64,
 }
 
+impl Lump {
+    /// Whether it has a point in common with `other` on the line between their middles.
+    fn overlaps(&self, other: &Self) -> bool {
+        let between = other.center - self.center;
+        let distance = between.length();
+        if distance < 1e-9 {
+            return true;
+        }
+        let way = between / distance;
+        // A little less than they are: they are rounded.
+        distance < 0.99 * (self.radius_along(way) + other.radius_along(way))
+    }
+
+    /// Distance from its middle to its surface in the direction of a unit vector, metres.
+    fn radius_along(&self, way: DVec3) -> f64 {
+        1.0 / (self.turn.inverse() * way / self.radii).length()
+    }
+}
+
 /// How a generation grows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Brood {
@@ -81,8 +100,20 @@ impl Pile {
         &self.lumps
     }
 
-    pub fn into_lumps(self) -> Vec<Lump> {
+    /// All lumps but those that touch no other.
+    pub fn into_lumps(mut self) -> Vec<Lump> {
+        let touches: Vec<bool> = (0..self.lumps.len()).map(|i| self.touches_another(i)).collect();
+        let mut alone = touches.iter().map(|touches| !touches);
+        let one = self.lumps.len() == 1;
+        self.lumps.retain(|_| one || !alone.next().unwrap_or(false));
         self.lumps
+    }
+
+    /// Whether lump `i` overlaps one more: most likely one around its middle.
+    fn touches_another(&self, i: usize) -> bool {
+        let lump = &self.lumps[i];
+        let meets = |j: usize| j != i && lump.overlaps(&self.lumps[j]);
+        self.grid.around(lump.center).any(|j| meets(j as usize)) || (0..self.lumps.len()).any(meets)
     }
 
     /// Whether there is no room for one more.

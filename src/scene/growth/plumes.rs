@@ -18,6 +18,8 @@ pub(super) struct Habit {
     foot: f64,
     /// Least and greatest number of lower turrets around each.
     flanks: (usize, usize),
+    /// How much narrower turrets are at their heads.
+    waist: f64,
     /// Lower plumes around them, where all of the base rises.
     plumes: usize,
     /// Height of the air between turrets.
@@ -37,6 +39,7 @@ pub(super) const HUMILIS: Habit = Habit {
     lesser: (0.9, 0.6),
     foot: 0.3,
     flanks: (1, 3),
+    waist: 0.34,
     plumes: 24,
     shelf: 0.36,
     ceiling: 1.0,
@@ -49,6 +52,7 @@ pub(super) const MEDIOCRIS: Habit = Habit {
     lesser: (0.8, 0.45),
     foot: 0.36,
     flanks: (2, 4),
+    waist: 0.34,
     plumes: 18,
     shelf: 0.2,
     ceiling: 1.0,
@@ -61,6 +65,7 @@ pub(super) const CONGESTUS: Habit = Habit {
     lesser: (0.8, 0.35),
     foot: 0.36,
     flanks: (3, 5),
+    waist: 0.34,
     plumes: 18,
     shelf: 0.14,
     ceiling: 1.0,
@@ -69,13 +74,14 @@ pub(super) const CONGESTUS: Habit = Habit {
 
 pub(super) const CUMULONIMBUS: Habit = Habit {
     depth: 0.85,
-    cores: (4, 6),
-    lesser: (0.7, 0.22),
-    foot: 0.42,
-    flanks: (3, 5),
+    cores: (3, 5),
+    lesser: (0.62, 0.2),
+    foot: 0.52,
+    flanks: (4, 6),
+    waist: 0.3,
     plumes: 18,
     shelf: 0.08,
-    ceiling: 0.9,
+    ceiling: 0.88,
     broods: [brood(15, -0.45, 0.02), brood(8, -0.45, 0.03), brood(2, -0.3, 0.04)],
 };
 
@@ -87,6 +93,8 @@ struct Plume {
     height: f64,
     /// Radius at the foot, metres.
     radius: f64,
+    /// How much narrower it is at its head.
+    waist: f64,
     key: u64,
 }
 
@@ -122,7 +130,7 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
         let spread = if i == 0 { 0.4 } else { 0.72 };
         let foot = apart(dice, &plumes, half, base, spread);
         let radius = half * habit.foot * (0.65 + 0.35 * share) * dice.between(0.9, 1.15);
-        plumes.push(Plume { foot, height: sunken * share, radius, key: mixed(key, 100 + i as u64) });
+        plumes.push(Plume { foot, height: sunken * share, radius, waist: habit.waist, key: mixed(key, 100 + i as u64) });
     }
     let cores = plumes.len();
     for i in 0..cores {
@@ -139,7 +147,7 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
         }
         let shelf = sunken * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
         let radius = half * habit.foot * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-        plumes.push(Plume { foot, height: shelf, radius, key: mixed(key, 2000 + i as u64) });
+        plumes.push(Plume { foot, height: shelf, radius, waist: habit.waist, key: mixed(key, 2000 + i as u64) });
     }
     plumes
 }
@@ -161,7 +169,7 @@ fn flank(plumes: &mut Vec<Plume>, core: usize, habit: &Habit, growth: &Growth) {
         let height = height * (1.06 - 0.36 * away) * dice.between(0.62, 1.0);
         let radius = radius * dice.between(0.55, 0.85);
         if (foot / DVec3::new(1.0, 1.0, habit.depth)).length() < 0.5 * growth.width {
-            plumes.push(Plume { foot, height, radius, key: mixed(key, 400 + i as u64) });
+            plumes.push(Plume { foot, height, radius, waist: habit.waist, key: mixed(key, 400 + i as u64) });
         }
     }
 }
@@ -199,7 +207,7 @@ fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
         let rise = radius * dice.between(0.5, 0.8);
         let share = at.y / growth.height;
         at += DVec3::new(growth.lean * rise * (0.5 + share), rise, 0.0) + 0.32 * radius * dice.disc();
-        let waist = 1.0 - 0.34 * (at.y / plume.height).min(1.0);
+        let waist = 1.0 - plume.waist * (at.y / plume.height).min(1.0);
         let flare = 1.0 + growth.age * 0.5 * (at.y / plume.height).min(1.0);
         radius = plume.radius.min(0.62 * plume.height) * waist * flare * dice.between(0.85, 1.15);
         step += 1;

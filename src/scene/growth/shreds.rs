@@ -38,8 +38,8 @@ fn patch(growth: &Growth, key: u64, first: bool, pile: &mut Pile) {
         at.y = at.y.clamp(middle.y - tall, middle.y + tall).max(0.3 * size);
         // What is higher is farther downwind.
         at.x += growth.lean * 0.5 * (at.y - last.0.y);
-        let drawn = dice.between(1.0, 1.9);
-        let radii = size * DVec3::new(drawn, dice.between(0.4, 0.75), dice.between(0.6, 1.0));
+        let drawn = dice.between(1.0, 1.7);
+        let radii = size * DVec3::new(drawn, dice.between(0.5, 0.85), dice.between(0.7, 1.0));
         let lump = Lump {
             center: at,
             radii,

@@ -16,7 +16,7 @@ const STREETS: f64 = 2800.0;
 /// Clouds that are tried for.
 const TRIES: usize = 1200;
 /// Most clouds beside the one in front.
-const MOST: usize = 130;
+const MOST: usize = 150;
 /// Nearest and farthest, metres from the camera.
 const NEAR: f64 = 2300.0;
 const FAR: f64 = 42_000.0;
@@ -24,7 +24,7 @@ const FAR: f64 = 42_000.0;
 const ASIDE: f64 = 0.72;
 /// Widths by a power law: least, greatest, metres.
 const LEAST: f64 = 320.0;
-const GREATEST: f64 = 2600.0;
+const GREATEST: f64 = 3000.0;
 
 /// The clouds of a sky, the one in front first.
 pub(super) fn clouds(dice: &mut Dice, seed: u32) -> Vec<Cloud> {
@@ -46,9 +46,9 @@ pub(super) fn clouds(dice: &mut Dice, seed: u32) -> Vec<Cloud> {
 /// The cloud in front, a little off the middle.
 fn hero(seed: u32) -> Growth {
     Growth {
-        place: DVec3::new(-900.0, LEVEL, -4600.0),
-        width: 2000.0,
-        height: 1250.0,
+        place: DVec3::new(-1000.0, LEVEL, -4700.0),
+        width: 2400.0,
+        height: 1150.0,
         heading_deg: HEADING_DEG,
         lean: 0.15,
         ..Growth::new(GrowthKind::Congestus, seed)
@@ -57,21 +57,21 @@ fn hero(seed: u32) -> Growth {
 
 /// A cloud by chance.
 fn one(dice: &mut Dice, phase: f64) -> Growth {
-    // As many near as far: what is far off is seen one behind the other.
-    let away = NEAR + (FAR - NEAR) * dice.unit() * dice.unit().sqrt();
+    // More of them near than by area: what is far off is seen one behind the other.
+    let away = NEAR + (FAR - NEAR) * dice.unit() * dice.unit();
     let aside = (ASIDE * away + 900.0) * dice.between(-1.0, 1.0);
     let place = streeted(dice, DVec3::new(aside, 0.0, -away), phase);
     // The share of clouds wider than w falls as 1/w: the width by the inverse of that.
     let share = dice.unit();
     let width = LEAST / (1.0 - share * (1.0 - LEAST / GREATEST));
     // Far off only the large ones are told apart.
-    let width = width.max(away * 0.022);
+    let width = width.max(away * 0.035);
     let kind = match width {
         w if w < 600.0 => GrowthKind::Humilis,
         w if w < 1500.0 => GrowthKind::Mediocris,
         _ => GrowthKind::Congestus,
     };
-    let height = width * dice.between(0.28, 0.62) * if kind == GrowthKind::Humilis { 0.85 } else { 1.0 };
+    let height = width * dice.between(0.26, 0.5) * if kind == GrowthKind::Humilis { 0.85 } else { 1.0 };
     Growth {
         place: place.with_y(LEVEL).round(),
         width: width.round(),

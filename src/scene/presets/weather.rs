@@ -64,12 +64,12 @@ fn make(kind: GrowthKind) -> Make {
             ..heap
         },
         GrowthKind::Fractus => Make {
-            concentration_per_cm3: 200.0,
-            effective_radius_um: 7.0,
-            boundary: 0.12,
-            wispiness: 0.6,
+            concentration_per_cm3: 250.0,
+            effective_radius_um: 10.0,
+            boundary: 0.09,
+            wispiness: 0.35,
             stratification: 0.0,
-            dilution: 0.5,
+            dilution: 0.2,
             ..heap
         },
         GrowthKind::ClosedCells | GrowthKind::OpenCells => {
