@@ -260,6 +260,9 @@ impl Editor {
         if !ctx.input(|input| input.pointer.any_down()) && !ctx.text_edit_focused() {
             self.document.settle();
         }
+        if let Some(news) = self.document.take_news() {
+            self.notices.news(news);
+        }
         if let Some(refusal) = self.document.take_refusal() {
             self.notices.problem(format!("That can't be: {refusal}"));
         }

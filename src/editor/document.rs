@@ -3,6 +3,7 @@
 use std::{collections::VecDeque, sync::Arc};
 
 use super::{
+    growing,
     selection::{EllipsoidId, Selection},
     tracks,
 };
@@ -51,6 +52,7 @@ pub struct Document {
     /// Whether what was saved is in no file any more.
     lost: bool,
     refusal: Option<String>,
+    news: Option<String>,
 }
 
 impl Document {
@@ -158,6 +160,11 @@ impl Document {
         self.refusal.take()
     }
 
+    /// What the last edit did beside what it was asked for, once.
+    pub fn take_news(&mut self) -> Option<String> {
+        self.news.take()
+    }
+
     /// Changes the scene: one step of undo, named `what` in the menu; within
     /// [`Document::begin`] and [`Document::end`] part of theirs. What changes nothing is no
     /// step; what breaks the scene is refused.
@@ -170,6 +177,7 @@ impl Document {
         let (mut scene, mut selection) = (Scene::clone(&self.posed), self.selection.clone());
         change(&mut scene, &mut selection);
         if scene != *self.posed {
+            let news = growing::follow(&self.posed, &mut scene);
             let time = scene.time;
             if self.posed.timeline.is_some() {
                 tracks::unpose(&self.stored, &self.posed, &mut scene);
@@ -181,6 +189,7 @@ impl Document {
             if scene != *self.stored {
                 self.keep(what);
             }
+            self.news = news.or(self.news.take());
             self.playhead = time;
             self.replace(Arc::new(scene));
         }

@@ -9,6 +9,7 @@ mod dialogs;
 mod document;
 mod files;
 mod form;
+mod growing;
 mod keying;
 mod labels;
 mod menu;

@@ -46,9 +46,7 @@ impl Document {
         let mut clouds = preset.scene(seed).clouds;
         // Their lives are of another timeline.
         clouds.iter_mut().for_each(|cloud| cloud.life = None);
-        for ellipsoid in clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
-            ellipsoid.center += offset;
-        }
+        clouds.iter_mut().for_each(|cloud| cloud.shift(offset));
         self.edit_and_select("Add preset", |scene, selection| {
             let first = scene.clouds.len();
             scene.clouds.extend(clouds);
@@ -276,7 +274,7 @@ fn duplicate_ellipsoid(scene: &mut Scene, id: EllipsoidId, offset: DVec3) -> Ell
 fn duplicate_cloud(scene: &mut Scene, cloud: usize, offset: DVec3) -> Selection {
     let name = free_name(scene);
     let mut copy = Cloud { name, locked: false, ..scene.clouds[cloud].clone() };
-    copy.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += offset);
+    copy.shift(offset);
     scene.clouds.push(copy);
     Selection::cloud(scene, scene.clouds.len() - 1)
 }

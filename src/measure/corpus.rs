@@ -8,7 +8,7 @@ use std::fmt;
 
 use glam::{DVec3, dvec3};
 
-use crate::scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Sun, SunPosition};
+use crate::scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Smooth, Sun, SunPosition};
 
 /// Width and height of every picture, pixels.
 pub const SIZE: [u32; 2] = [96, 54];
@@ -59,31 +59,31 @@ const fn held_out(name: &'static str, make: fn() -> Scene) -> Entry {
 
 /// All pictures. Those held out are of other seeds and, where they can be, of other kinds.
 pub const CORPUS: [Entry; 27] = [
-    fit("humilis-front", || portrait(Preset::Humilis.scene(1), FRONT, 40.0)),
-    fit("humilis-back", || portrait(Preset::Humilis.scene(1), BACK, 25.0)),
-    fit("mediocris-side", || portrait(Preset::Mediocris.scene(1), EAST, 25.0)),
-    fit("congestus-front", || portrait(Preset::Congestus.scene(1), FRONT, 40.0)),
-    fit("congestus-back", || portrait(Preset::Congestus.scene(1), BACK, 25.0)),
-    fit("fractus-side", || portrait(Preset::Fractus.scene(1), WEST, 30.0)),
+    fit("humilis-front", || portrait(Smooth::Humilis.scene(1), FRONT, 40.0)),
+    fit("humilis-back", || portrait(Smooth::Humilis.scene(1), BACK, 25.0)),
+    fit("mediocris-side", || portrait(Smooth::Mediocris.scene(1), EAST, 25.0)),
+    fit("congestus-front", || portrait(Smooth::Congestus.scene(1), FRONT, 40.0)),
+    fit("congestus-back", || portrait(Smooth::Congestus.scene(1), BACK, 25.0)),
+    fit("fractus-side", || portrait(Smooth::Fractus.scene(1), WEST, 30.0)),
     fit("sphere-side", || portrait(Preset::Sphere.scene(1), EAST, 30.0)),
     fit("kol-front", || portrait(Preset::Kol.scene(1), FRONT, 40.0)),
     fit("kol-above", || seen(sunlit(Preset::Kol.scene(1), 230.0, 40.0), dvec3(0.0, 0.77, 0.64))),
     fit("stratocumulus-below", stratocumulus_below),
     fit("sheet-back", sheet_back),
     fit("kol-thick", || seen(sunlit(scaled(Preset::Kol.scene(1), 4.0), 120.0, 65.0), dvec3(0.0, -0.2, 1.0))),
-    held_out("humilis-side", || portrait(Preset::Humilis.scene(12), WEST, 25.0)),
-    held_out("mediocris-front", || portrait(Preset::Mediocris.scene(12), 160.0, 40.0)),
-    held_out("mediocris-back", || portrait(Preset::Mediocris.scene(12), 340.0, 25.0)),
-    held_out("congestus-side", || portrait(Preset::Congestus.scene(12), EAST, 6.0)),
+    held_out("humilis-side", || portrait(Smooth::Humilis.scene(12), WEST, 25.0)),
+    held_out("mediocris-front", || portrait(Smooth::Mediocris.scene(12), 160.0, 40.0)),
+    held_out("mediocris-back", || portrait(Smooth::Mediocris.scene(12), 340.0, 25.0)),
+    held_out("congestus-side", || portrait(Smooth::Congestus.scene(12), EAST, 6.0)),
     held_out("cumulonimbus-front", || portrait(cumulonimbus(), FRONT, 40.0)),
     held_out("cumulonimbus-back", || portrait(cumulonimbus(), BACK, 25.0)),
-    held_out("fractus-back", || portrait(Preset::Fractus.scene(12), 345.0, 25.0)),
+    held_out("fractus-back", || portrait(Smooth::Fractus.scene(12), 345.0, 25.0)),
     held_out("stratocumulus-above", stratocumulus_above),
     held_out("two-spheres", two_spheres),
     held_out("concavity", concavity),
     held_out("inside", inside),
     held_out("thin", thin),
-    held_out("humilis-sunset", || portrait(Preset::Humilis.scene(13), 245.0, 3.0)),
+    held_out("humilis-sunset", || portrait(Smooth::Humilis.scene(13), 245.0, 3.0)),
     held_out("wisps", wisps),
     held_out("glory", glory),
 ];
@@ -185,18 +185,18 @@ fn ball(center: DVec3, radius: f64) -> Ellipsoid {
 /// A quarter of the preset in size, 2 km tall: at full size, through optical depths of
 /// hundreds, no reference would converge.
 fn cumulonimbus() -> Scene {
-    scaled(Preset::Cumulonimbus.scene(12), 0.25)
+    scaled(Smooth::Cumulonimbus.scene(12), 0.25)
 }
 
 /// Grey bases from between the rolls, the sun at the side.
 fn stratocumulus_below() -> Scene {
-    let scene = sunlit(Preset::Stratocumulus.scene(1), EAST, 35.0);
+    let scene = sunlit(Smooth::Stratocumulus.scene(1), EAST, 35.0);
     looking(scene, dvec3(0.0, 700.0, 1500.0), dvec3(0.0, 0.5, -0.85), 45.0)
 }
 
 /// Tops under a low sun at the side.
 fn stratocumulus_above() -> Scene {
-    let scene = sunlit(Preset::Stratocumulus.scene(12), 250.0, 12.0);
+    let scene = sunlit(Smooth::Stratocumulus.scene(12), 250.0, 12.0);
     looking(scene, dvec3(100.0, 2300.0, 1300.0), dvec3(0.0, -0.7, -0.7), 45.0)
 }
 
@@ -226,7 +226,7 @@ fn concavity() -> Scene {
 
 /// From within the boundary, out along it: thin droplets, so that there is something to see.
 fn inside() -> Scene {
-    let mut scene = sunlit(Preset::Mediocris.scene(12), 230.0, 40.0);
+    let mut scene = sunlit(Smooth::Mediocris.scene(12), 230.0, 40.0);
     scene.clouds[0].droplets.concentration_per_cm3 = 60.0;
     let trunk = &scene.clouds[0].ellipsoids[7];
     let place = trunk.center + 0.55 * trunk.radii.min_element() * DVec3::Z;
@@ -235,14 +235,14 @@ fn inside() -> Scene {
 
 /// Of optical depth 1 to 3, the sun at the side.
 fn thin() -> Scene {
-    let mut scene = Preset::Humilis.scene(14);
+    let mut scene = Smooth::Humilis.scene(14);
     scene.clouds[0].droplets.concentration_per_cm3 = 100.0;
     portrait(scene, EAST, 30.0)
 }
 
 /// Soft all through, without a core.
 fn wisps() -> Scene {
-    let mut scene = Preset::Humilis.scene(15);
+    let mut scene = Smooth::Humilis.scene(15);
     for ellipsoid in &mut scene.clouds[0].ellipsoids {
         let boundary = 1.5 * ellipsoid.radii.min_element();
         ellipsoid.edge = Some(Edge { boundary, wispiness: 1.0 });

@@ -1,10 +1,11 @@
 //! A cloud: ellipsoids that share their water.
 
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Life, Noise, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Life, Noise, union};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
@@ -17,7 +18,12 @@ const SHARE: Limits = Limits::new(0.0, 1.0, "");
 pub struct Cloud {
     /// A name for people; it changes nothing in the picture.
     pub name: String,
-    /// The shape. At most 65536 ellipsoids in all clouds together; none renders nothing.
+    /// How it grows, in place of `ellipsoids`; left out where those were made by hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<Growth>,
+    /// The shape. At most 65536 ellipsoids in all clouds together; none renders nothing. Left out
+    /// where `growth` says how they grow.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ellipsoids: Vec<Ellipsoid>,
     /// The water of the cloud.
     pub droplets: Droplets,
@@ -57,6 +63,7 @@ impl Default for Cloud {
     fn default() -> Self {
         Self {
             name: String::new(),
+            growth: None,
             ellipsoids: Vec::new(),
             droplets: Droplets::default(),
             edge: Edge::default(),
@@ -73,6 +80,39 @@ impl Default for Cloud {
 }
 
 impl Cloud {
+    /// A cloud that grows, with its ellipsoids.
+    pub fn grown(name: &str, growth: Growth) -> Self {
+        let mut cloud = Self { name: name.to_owned(), growth: Some(growth), ..Self::default() };
+        cloud.grow();
+        cloud
+    }
+
+    /// Puts the ellipsoids there that grow, in place of those that are there. Nothing where it has no growth.
+    pub fn grow(&mut self) {
+        if let Some(growth) = &self.growth {
+            self.ellipsoids = growth.ellipsoids();
+        }
+    }
+
+    /// Whether its ellipsoids are those that grow: a hand that changes one makes others of them.
+    pub fn is_as_grown(&self) -> bool {
+        self.growth.as_ref().is_some_and(|growth| growth.ellipsoids() == self.ellipsoids)
+    }
+
+    /// Moves all of it by `offset`, metres, its own noise, too; it grows there.
+    pub fn shift(&mut self, offset: DVec3) {
+        if let Some(noise) = &mut self.noise {
+            noise.offset += offset;
+        }
+        match &mut self.growth {
+            Some(growth) => {
+                growth.place += offset;
+                self.grow();
+            }
+            None => self.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += offset),
+        }
+    }
+
     /// Exact axis-aligned bounds of all ellipsoids, metres; `None` without ellipsoids.
     pub fn bounds(&self) -> Option<Bounds> {
         self.ellipsoids.iter().map(Ellipsoid::bounds).reduce(union)
@@ -108,6 +148,9 @@ impl Cloud {
     pub(super) fn check_own(&self, at: At) -> Result<()> {
         self.droplets.check(at.field("droplets"))?;
         self.edge.check(at.field("edge"))?;
+        if let Some(growth) = &self.growth {
+            growth.check(at.field("growth"))?;
+        }
         at.field("blend").number(self.blend, SHARE)?;
         at.field("stratification").number(self.stratification, SHARE)?;
         at.field("dilution").number(self.dilution, SHARE)?;

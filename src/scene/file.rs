@@ -1,5 +1,6 @@
 //! Scene files: JSON in, JSON out, and the schema that describes it.
 
+use std::borrow::Cow;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -8,7 +9,7 @@ use schemars::schema_for;
 use serde_json::Value;
 
 use super::explain::{explain, not_json};
-use super::{FORMAT, Scene, validate};
+use super::{FORMAT, MAX_ELLIPSOIDS, Scene, validate};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
@@ -30,6 +31,7 @@ impl Scene {
         reader.end().map_err(|error| not_json(&error))?;
         refuse_positional(text, &scene)?;
         scene.normalise();
+        scene.grow_clouds()?;
         scene.validate()?;
         Ok(scene)
     }
@@ -58,7 +60,7 @@ impl Scene {
     /// [`Scene::from_json`] gives back the same scene, to the last bit of each number,
     /// where the scene is valid.
     pub fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self)
+        let text = serde_json::to_string_pretty(&self.as_written())
             .expect("a scene holds only numbers, text and lists, with text as keys");
         vectors_on_one_line(&text)
     }
@@ -73,6 +75,46 @@ impl Scene {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
         write_whole(path.as_ref(), |file| file.write_all(self.to_json().as_bytes()))
+    }
+
+    /// Grows the clouds of a file that say how. Their numbers are looked at first: nothing grows from bad ones.
+    fn grow_clouds(&mut self) -> Result<()> {
+        let root = validate::At::Root;
+        let list = root.field("clouds");
+        let mut count = 0;
+        for (i, cloud) in self.clouds.iter_mut().enumerate() {
+            let at = list.index(i);
+            let Some(growth) = &cloud.growth else { continue };
+            if !cloud.ellipsoids.is_empty() {
+                return Err(at.problem(format!(
+                    "it has both `growth` and {} `ellipsoids`: leave out `ellipsoids` to let it grow, or `growth` \
+                     to keep them",
+                    cloud.ellipsoids.len()
+                )));
+            }
+            growth.check(at.field("growth"))?;
+            if count <= MAX_ELLIPSOIDS {
+                cloud.grow();
+            }
+            count += cloud.ellipsoids.len();
+        }
+        Ok(())
+    }
+
+    /// The scene as files have it: clouds that are as grown without their ellipsoids, others without a growth.
+    fn as_written(&self) -> Cow<'_, Self> {
+        if self.clouds.iter().all(|cloud| cloud.growth.is_none()) {
+            return Cow::Borrowed(self);
+        }
+        let mut written = self.clone();
+        for cloud in &mut written.clouds {
+            match cloud.is_as_grown() {
+                true => cloud.ellipsoids.clear(),
+                false if cloud.ellipsoids.is_empty() => {}
+                false => cloud.growth = None,
+            }
+        }
+        Cow::Owned(written)
     }
 
     /// Makes quaternions unit length; those without a direction are left to validation.

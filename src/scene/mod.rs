@@ -4,12 +4,14 @@
 
 mod camera;
 mod cloud;
+mod dice;
 mod droplets;
 mod edge;
 mod ellipsoid;
 mod evaporation;
 mod explain;
 mod file;
+mod growth;
 mod life;
 mod moment;
 mod noise;
@@ -32,8 +34,11 @@ pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use evaporation::Evaporation;
 pub use file::schema;
+pub use growth::{Growth, GrowthKind};
 pub use life::Life;
 pub use noise::Noise;
+#[cfg(feature = "measure")]
+pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};

@@ -36,6 +36,8 @@ impl Scene {
 
     fn moment(&self, time: f64) -> Result<Self> {
         let mut moment = self.clone();
+        // Clouds made by a program may say only how they grow.
+        moment.clouds.iter_mut().filter(|cloud| cloud.ellipsoids.is_empty()).for_each(Cloud::grow);
         moment.follow_curves(time)?;
         moment.check_moment().map_err(|error| error.at_time(time))?;
         moment.camera = Some(self.camera.as_ref().map_or_else(|| self.camera(), |_| moment.camera()));

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod depth;
+mod growth;
 mod imports;
 mod optics;
 mod presets;

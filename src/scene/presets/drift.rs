@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::dice::Dice;
-use super::{Scene, camera, cumulus};
+use crate::scene::dice::Dice;
+use super::{Scene, camera, weather};
 use crate::scene::timeline::{Key, Timeline, Track};
-use crate::scene::{Cloud, Life};
+use crate::scene::{Cloud, Growth, GrowthKind, Life};
 
 /// Length of the loop, s.
 const ROUND: f64 = 10.0;
@@ -18,9 +18,15 @@ const PLACES: [(f64, f64); 5] =
 /// Five clouds, each of them two seconds younger than the one before.
 pub(super) fn clouds(dice: &mut Dice) -> Vec<Cloud> {
     let cloud = |(i, (x, z)): (usize, (f64, f64))| {
-        let mut cloud = cumulus::HUMILIS.grow(dice);
-        cloud.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += DVec3::new(x, 0.0, z));
-        cloud.name = format!("cumulus {}", i + 1);
+        let growth = Growth {
+            place: DVec3::new(x, 1000.0, z),
+            width: dice.between(380.0, 520.0).round(),
+            detail: 0.5,
+            ..Growth::new(GrowthKind::Humilis, (dice.unit() * 1e9) as u32)
+        };
+        let mut cloud = weather::cloud(&format!("cumulus {}", i + 1), growth);
+        // It drifts through the noise of the scene, so that its billows change.
+        cloud.noise = None;
         let birth = ROUND * i as f64 / PLACES.len() as f64;
         let death = (birth + SPAN) % ROUND;
         cloud.life = Some(Life { birth, death, forming: 3.0, dissolving: 3.5 });

@@ -1,6 +1,6 @@
 //! Heaps that grow on ellipsoids that are there already.
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use super::heap::{Growth, Heap};
 use crate::scene::Ellipsoid;
 

@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use crate::scene::{Cloud, Edge, Ellipsoid};
 
 /// Size of a child against its parent.

@@ -1,17 +1,19 @@
-//! Layers: a field of stratocumulus, and a sheet for the glory.
+//! Layers: a sheet for the glory, and the rolls of the corpus.
 
 use glam::DVec3;
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use super::heap::{Edges, Heap};
 use crate::scene::Cloud;
 
+#[cfg(feature = "measure")]
 const FIELD: Edges = Edges { boundary: 85.0, base: 0.4, top: 0.2 };
 
 const SHEET: Edges = Edges { boundary: 40.0, base: 0.5, top: 0.5 };
 
 /// A field of twenty flat clouds over 6 by 5 km, base at 1200 m.
-pub(super) fn stratocumulus(dice: &mut Dice) -> Vec<Cloud> {
+#[cfg(feature = "measure")]
+pub(super) fn rolls(dice: &mut Dice) -> Vec<Cloud> {
     let mut clouds = Vec::new();
     for row in 0..4 {
         for column in 0..5 {
@@ -23,6 +25,7 @@ pub(super) fn stratocumulus(dice: &mut Dice) -> Vec<Cloud> {
     clouds
 }
 
+#[cfg(feature = "measure")]
 /// One flat cloud around the horizontal place `p`, metres.
 fn roll(dice: &mut Dice, p: DVec3, name: &str) -> Cloud {
     let mut heap = Heap::on(1200.0);

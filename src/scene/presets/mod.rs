@@ -1,11 +1,13 @@
 //! Clouds to start from, each with a camera and a sun that suit it.
 
-mod cumulus;
-mod dice;
 mod drift;
+mod field;
 mod grow;
 mod heap;
 mod layer;
+#[cfg(feature = "measure")]
+pub(crate) mod smooth;
+mod weather;
 
 use std::fmt;
 use std::str::FromStr;
@@ -13,9 +15,9 @@ use std::str::FromStr;
 use glam::DVec3;
 
 use super::explain::nearest;
-use super::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition, Wind};
+use super::{Camera, Cloud, Edge, Ellipsoid, Growth, GrowthKind, Noise, Projection, Scene, Sun, SunPosition, Wind};
 use crate::{Error, Result};
-use dice::Dice;
+use super::dice::Dice;
 pub use grow::Heaps;
 use heap::tenths;
 
@@ -33,10 +35,16 @@ pub enum Preset {
     Congestus,
     /// Small torn shreds.
     Fractus,
-    /// A field of twenty flat clouds.
+    /// A layer of stratocumulus in closed cells: flat patches with narrow gaps.
     Stratocumulus,
-    /// A thunderstorm: a tower of 6 to 9 km with an anvil.
+    /// A layer of stratocumulus in open cells: rings around clear air.
+    OpenCells,
+    /// A thunderstorm of 10 km: tower, overshooting top, anvil with fibres, mammatus.
     Cumulonimbus,
+    /// A towering cumulus that leans with the shear of the wind.
+    Tower,
+    /// A sky of a hundred cumuli and more, in streets along the wind, with a large one in front.
+    Field,
     /// A thin sheet from above, the sun behind the camera: glory and fogbow.
     Glory,
     /// One homogeneous sphere, which no seed changes.
@@ -50,13 +58,16 @@ pub enum Preset {
 
 impl Preset {
     /// All presets, in the order of their documentation.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Humilis,
         Self::Mediocris,
         Self::Congestus,
         Self::Fractus,
         Self::Stratocumulus,
+        Self::OpenCells,
         Self::Cumulonimbus,
+        Self::Tower,
+        Self::Field,
         Self::Glory,
         Self::Sphere,
         Self::Kol,
@@ -71,7 +82,10 @@ impl Preset {
             Self::Congestus => "congestus",
             Self::Fractus => "fractus",
             Self::Stratocumulus => "stratocumulus",
+            Self::OpenCells => "open-cells",
             Self::Cumulonimbus => "cumulonimbus",
+            Self::Tower => "tower",
+            Self::Field => "field",
             Self::Glory => "glory",
             Self::Sphere => "sphere",
             Self::Kol => "kol",
@@ -82,14 +96,17 @@ impl Preset {
     /// The scene that grows from `seed`: the same on every platform and in every run.
     pub fn scene(self, seed: u64) -> Scene {
         let dice = &mut Dice::new(seed);
-        let mut scene = Scene { name: self.name().to_owned(), clouds: self.clouds(dice), ..Scene::default() };
-        scene.noise =
-            Noise { seed: (seed ^ (seed >> 32)) as u32, scale: Some(self.noise_scale()), ..Noise::default() };
-        scene.sun.position = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
+        let short = (seed ^ (seed >> 32)) as u32;
+        let clouds = self.clouds(dice, short);
+        let mut scene = Scene { name: self.name().to_owned(), clouds, ..Scene::default() };
+        scene.noise = Noise { seed: short, scale: self.noise_scale(), ..Noise::default() };
+        scene.sun.position = SunPosition::Angles { azimuth_deg: 252.0, elevation_deg: 30.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
             Self::Glory => aim_at_glory(&mut scene),
             Self::Stratocumulus => look_along_the_field(&mut scene),
+            Self::OpenCells => look_down_on_cells(&mut scene),
+            Self::Field => look_over_the_land(&mut scene),
             Self::Sphere => scene.wind = Wind::default(),
             Self::Drift => drift::set_in_motion(&mut scene),
             _ => {}
@@ -100,14 +117,18 @@ impl Preset {
         scene
     }
 
-    fn clouds(self, dice: &mut Dice) -> Vec<Cloud> {
+    fn clouds(self, dice: &mut Dice, seed: u32) -> Vec<Cloud> {
+        let grown = |kind| vec![weather::cloud(self.name(), Growth::new(kind, seed))];
         match self {
-            Self::Humilis => vec![cumulus::HUMILIS.grow(dice)],
-            Self::Mediocris => vec![cumulus::MEDIOCRIS.grow(dice)],
-            Self::Congestus => vec![cumulus::CONGESTUS.grow(dice)],
-            Self::Fractus => vec![cumulus::fractus(dice)],
-            Self::Stratocumulus => layer::stratocumulus(dice),
-            Self::Cumulonimbus => vec![cumulus::cumulonimbus(dice)],
+            Self::Humilis => grown(GrowthKind::Humilis),
+            Self::Mediocris => grown(GrowthKind::Mediocris),
+            Self::Congestus => grown(GrowthKind::Congestus),
+            Self::Fractus => grown(GrowthKind::Fractus),
+            Self::Stratocumulus => grown(GrowthKind::ClosedCells),
+            Self::OpenCells => grown(GrowthKind::OpenCells),
+            Self::Cumulonimbus => grown(GrowthKind::Cumulonimbus),
+            Self::Tower => vec![weather::cloud(self.name(), tower(seed))],
+            Self::Field => field::clouds(dice, seed),
             Self::Glory => vec![layer::sheet(dice)],
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
@@ -115,15 +136,13 @@ impl Preset {
         }
     }
 
-    /// Size of the largest billows, metres: about one and a half times the boundary.
-    fn noise_scale(self) -> f64 {
+    /// Size of the largest billows of the scene's noise, metres, where clouds have none of their own.
+    fn noise_scale(self) -> Option<f64> {
         match self {
-            Self::Humilis | Self::Glory | Self::Fractus | Self::Drift => 60.0,
-            Self::Stratocumulus => 110.0,
-            Self::Mediocris => 140.0,
-            Self::Sphere | Self::Kol => 80.0,
-            Self::Congestus => 280.0,
-            Self::Cumulonimbus => 700.0,
+            Self::Glory => Some(60.0),
+            Self::Drift => Some(45.0),
+            Self::Sphere | Self::Kol => Some(80.0),
+            _ => None,
         }
     }
 }
@@ -181,21 +200,46 @@ fn kol() -> Cloud {
     }
 }
 
-/// A camera in the south, a little below the base, that fills the picture with
-/// `bounds` (metres) and keeps the horizon in the lower third; never under `ground`.
+/// A camera in the south, below the base, that fills the picture with `bounds` (metres) above a low horizon; never
+/// under `ground`.
 fn portrait((min, max): super::Bounds, ground: f64) -> Camera {
-    // tan(20 degrees) and the shares of half the picture that the cloud may fill.
-    const HALF_HEIGHT: f64 = 0.364;
-    const FILL: f64 = 0.72;
-    const LEAST_SLOPE: f64 = 0.14;
+    // Slopes (tangents of elevations) in a picture whose horizon is a sixth of its height from its foot.
+    const MIDDLE: f64 = 0.25;
+    const BASE: f64 = 0.09;
+    const TOP: f64 = 0.56;
+    // Share of the width that the cloud may fill: of 16:9, twice tan(20 degrees) high.
+    const WIDE: f64 = 0.68 * 0.728 * 16.0 / 9.0;
     let (middle, size) = (0.5 * (min + max), max - min);
-    let tall = 0.5 * size.y / (FILL * HALF_HEIGHT);
-    let wide = 0.5 * size.x / (FILL * HALF_HEIGHT * 16.0 / 9.0);
-    let distance = tall.max(wide) + 0.5 * size.z;
-    let below_base = min.y - 0.05 * size.y;
-    let low = middle.y - LEAST_SLOPE * distance;
-    let altitude = below_base.min(low).max(ground + 1.7);
-    camera(middle.with_y(altitude) + DVec3::Z * distance, middle)
+    let near = (size.y / (TOP - BASE)).max(size.x / WIDE);
+    let distance = near + 0.2 * size.z;
+    let altitude = (min.y - BASE * near).max(ground + 1.7);
+    let eye = middle.with_y(altitude) + DVec3::Z * distance;
+    camera(eye, eye + distance * DVec3::new(0.0, MIDDLE, -1.0))
+}
+
+/// Narrow and tall, under strong shear.
+fn tower(seed: u32) -> Growth {
+    Growth {
+        width: 1500.0,
+        height: 2400.0,
+        lean: 0.55,
+        coverage: 0.5,
+        age: 0.0,
+        ..Growth::new(GrowthKind::Congestus, seed)
+    }
+}
+
+/// From a hill, far over the land.
+fn look_over_the_land(scene: &mut Scene) {
+    let eye = DVec3::new(0.0, 60.0, 0.0);
+    scene.wind.velocity = DVec3::new(1.7, 0.0, -5.8);
+    scene.camera = Some(camera(eye, eye + DVec3::new(0.0, 235.0, -1000.0)));
+}
+
+/// From an aeroplane above the layer, the horizon high in the picture.
+fn look_down_on_cells(scene: &mut Scene) {
+    let eye = DVec3::new(0.0, 2900.0, 4200.0);
+    scene.camera = Some(camera(eye, eye + DVec3::new(0.0, -260.0, -1000.0)));
 }
 
 /// Under the near edge of the field, so that it runs to the horizon.

@@ -212,6 +212,13 @@ impl Track {
     fn check_reach(&self, period: Option<f64>, paths: &mut Paths<'_>, at: At) -> Result<()> {
         let leads_nowhere = |problem: String| self.leads_nowhere(at, &problem);
         let place = paths.find(&self.path).map_err(leads_nowhere)?;
+        if let Some(cloud) = place.grown_with(paths.scene()) {
+            let path = owner_path(Owner::Cloud(cloud), paths.scene());
+            return Err(leads_nowhere(format!(
+                "the cloud grows, and its ellipsoids with it: animate a number of its growth, such as \
+                 {path}.growth.height, or give it `ellipsoids` in place of `growth`"
+            )));
+        }
         let object = Object::of(place.owner, paths.scene());
         object.number(&place.steps).map_err(leads_nowhere)?;
         let (low, high) = Curve::new(&self.keys, period).map_or((0.0, 0.0), |curve| curve.reach());

@@ -93,8 +93,13 @@ impl Object {
                 *scene = Scene { clouds, timeline, ..*world };
             }
             Self::Cloud(i, shell) => {
-                let ellipsoids = std::mem::take(&mut scene.clouds[i].ellipsoids);
-                scene.clouds[i] = Cloud { ellipsoids, ..*shell };
+                let old = &mut scene.clouds[i];
+                let grows_otherwise = old.growth != shell.growth;
+                let ellipsoids = std::mem::take(&mut old.ellipsoids);
+                *old = Cloud { ellipsoids, ..*shell };
+                if grows_otherwise {
+                    old.grow();
+                }
             }
             Self::Ellipsoid(i, j, ellipsoid) => scene.clouds[i].ellipsoids[j] = *ellipsoid,
         }
@@ -229,6 +234,7 @@ fn world(scene: &Scene) -> Scene {
 fn shell(cloud: &Cloud) -> Cloud {
     Cloud {
         name: cloud.name.clone(),
+        growth: cloud.growth.clone(),
         ellipsoids: Vec::new(),
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),

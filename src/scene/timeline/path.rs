@@ -34,6 +34,14 @@ impl Place {
         Paths::new(scene).find(path)
     }
 
+    /// The cloud that grows, where the number is of one of its ellipsoids.
+    pub(super) fn grown_with(&self, scene: &Scene) -> Option<usize> {
+        match self.owner {
+            Owner::Ellipsoid(cloud, _) if scene.clouds[cloud].growth.is_some() => Some(cloud),
+            _ => None,
+        }
+    }
+
     /// The number as it is; 0 where the file leaves it out.
     pub fn read(&self, scene: &Scene) -> Result<f64, String> {
         Object::of(self.owner, scene).number(&self.steps)

@@ -1,13 +1,51 @@
-//! The cumulus family, from fair weather to thunderstorm.
+//! Heaps of a few smooth lumps: the shapes of the corpus, on which its figures stand. They change with no preset.
 
 use glam::DVec3;
 
-use super::dice::Dice;
+use crate::scene::dice::Dice;
 use super::heap::{Edges, Growth, Heap};
-use crate::scene::Cloud;
+use crate::scene::{Cloud, Noise, Scene};
+
+/// A shape of the corpus.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Smooth {
+    Humilis,
+    Mediocris,
+    Congestus,
+    Cumulonimbus,
+    Fractus,
+    Stratocumulus,
+}
+
+impl Smooth {
+    /// The scene of a seed: the same on every platform and in every run.
+    pub(crate) fn scene(self, seed: u32) -> Scene {
+        let dice = &mut Dice::new(u64::from(seed));
+        let clouds = match self {
+            Self::Humilis => vec![HUMILIS.grow(dice)],
+            Self::Mediocris => vec![MEDIOCRIS.grow(dice)],
+            Self::Congestus => vec![CONGESTUS.grow(dice)],
+            Self::Cumulonimbus => vec![cumulonimbus(dice)],
+            Self::Fractus => vec![fractus(dice)],
+            Self::Stratocumulus => super::layer::rolls(dice),
+        };
+        Scene { clouds, noise: Noise { seed, scale: Some(self.billows()), ..Noise::default() }, ..Scene::default() }
+    }
+
+    /// Size of the largest billows, metres: about one and a half times the boundary.
+    fn billows(self) -> f64 {
+        match self {
+            Self::Humilis | Self::Fractus => 60.0,
+            Self::Stratocumulus => 110.0,
+            Self::Mediocris => 140.0,
+            Self::Congestus => 280.0,
+            Self::Cumulonimbus => 700.0,
+        }
+    }
+}
 
 /// How a cumulus grows: a flat layer, a trunk on it, heaps upon both. Lengths in metres.
-pub(super) struct Recipe {
+struct Recipe {
     name: &'static str,
     /// Altitude of the base.
     base: f64,
@@ -31,7 +69,7 @@ struct Layer {
 
 /// Fair weather: 200 to 500 m wide, wider than tall.
 #[rustfmt::skip]
-pub(super) const HUMILIS: Recipe = Recipe {
+const HUMILIS: Recipe = Recipe {
     name: "humilis",
     base: 1000.0,
     layer: Layer { count: 6, radius: 80.0, spread: 105.0, flatness: 0.6 },
@@ -44,7 +82,7 @@ pub(super) const HUMILIS: Recipe = Recipe {
 
 /// About as tall as wide, 800 m.
 #[rustfmt::skip]
-pub(super) const MEDIOCRIS: Recipe = Recipe {
+const MEDIOCRIS: Recipe = Recipe {
     name: "mediocris",
     base: 1000.0,
     layer: Layer { count: 6, radius: 190.0, spread: 230.0, flatness: 0.7 },
@@ -58,7 +96,7 @@ pub(super) const MEDIOCRIS: Recipe = Recipe {
 
 /// A tower of 2 to 3 km, taller than wide, with cauliflower turrets.
 #[rustfmt::skip]
-pub(super) const CONGESTUS: Recipe = Recipe {
+const CONGESTUS: Recipe = Recipe {
     name: "congestus",
     base: 1000.0,
     layer: Layer { count: 5, radius: 400.0, spread: 480.0, flatness: 0.6 },
@@ -72,7 +110,7 @@ pub(super) const CONGESTUS: Recipe = Recipe {
 
 /// A thunderstorm: the tower that carries the anvil, 6 to 9 km in all.
 #[rustfmt::skip]
-pub(super) const CUMULONIMBUS: Recipe = Recipe {
+const CUMULONIMBUS: Recipe = Recipe {
     name: "cumulonimbus",
     base: 1000.0,
     layer: Layer { count: 7, radius: 1700.0, spread: 3000.0, flatness: 0.45 },
@@ -125,7 +163,7 @@ impl Layer {
 }
 
 /// A thunderstorm with its anvil.
-pub(super) fn cumulonimbus(dice: &mut Dice) -> Cloud {
+fn cumulonimbus(dice: &mut Dice) -> Cloud {
     let mut cloud = CUMULONIMBUS.grow(dice);
     cloud.ellipsoids.extend(anvil(dice).ellipsoids);
     cloud
@@ -160,7 +198,7 @@ const ICE: Edges = Edges { boundary: 450.0, base: 0.85, top: 0.85 };
 const SHREDS: Edges = Edges { boundary: 75.0, base: 0.95, top: 0.85 };
 
 /// Small torn shreds under a shower or in the morning.
-pub(super) fn fractus(dice: &mut Dice) -> Cloud {
+fn fractus(dice: &mut Dice) -> Cloud {
     let mut heap = Heap::on(600.0);
     for _ in 0..dice.count(10, 14) {
         let p = dice.disc() * DVec3::new(200.0, 0.0, 120.0);

@@ -57,6 +57,18 @@ impl Dice {
         }
     }
 
+    /// Uniform on the part of the sphere of radius 1 that is higher than `lowest`, -1 to 1.
+    pub fn cap(&mut self, lowest: f64) -> DVec3 {
+        let y = self.between(lowest, 1.0);
+        let flat = loop {
+            let p = self.disc();
+            if p.length_squared() > 1e-4 {
+                break p.normalize();
+            }
+        };
+        flat * (1.0 - y * y).max(0.0).sqrt() + DVec3::Y * y
+    }
+
     /// A turn about the vertical.
     pub fn yaw(&mut self) -> DQuat {
         let (y, w) = YAWS[self.count(0, YAWS.len() - 1)];
