@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nephos::scene::{
-    Life, Preset, Scene, Timeline,
+    Cloud, Life, Noise, Preset, Scene, Timeline,
     timeline::{Curve, Interpolation, Key, Owner, Place, Track, owner_path},
 };
 
@@ -403,6 +403,35 @@ fn without_a_timeline_a_moment_is_the_scene_carried_by_the_wind() {
     let moved = moment.clouds[0].ellipsoids[4].center - scene.clouds[0].ellipsoids[4].center;
     assert!(moved.distance(30.0 * scene.wind.velocity) < 1e-9);
     assert_eq!((moment.camera, moment.time), (scene.camera, 0.0));
+}
+
+/// Where in a cloud's own noise each of its lumps is, in billows.
+fn in_noise(cloud: &Cloud) -> Vec<DVec3> {
+    let noise = cloud.noise.as_ref().unwrap();
+    let size = noise.scale_in(cloud.bounds().unwrap());
+    cloud.ellipsoids.iter().map(|e| (e.center - noise.offset) / size).collect()
+}
+
+#[test]
+fn a_clouds_own_noise_goes_with_it_in_wind_and_in_growth() {
+    let mut scene = scene(Vec::new());
+    scene.wind.velocity = DVec3::new(3.0, 0.5, -7.0);
+    let offset = DVec3::new(40.0, 10.0, -20.0);
+    scene.clouds[0].noise = Some(Noise { offset, ..Noise::default() });
+    let still = in_noise(&scene.clouds[0]);
+    let apart = |cloud: &Cloud| {
+        let pairs = in_noise(cloud).into_iter().zip(&still).map(|(a, b)| a.distance(*b));
+        pairs.fold(0.0, f64::max)
+    };
+    let blown = scene.at(60.0).unwrap();
+    assert!(apart(&blown.clouds[0]) < 1e-9);
+    assert!(blown.clouds[0].noise.as_ref().unwrap().offset.distance(offset) > 100.0, "it has moved");
+    assert_eq!(blown.noise, scene.noise, "the scene's stands in the world");
+    scene.clouds[0].life = Some(Life { birth: 2.0, death: 8.0, forming: 2.0, dissolving: 3.0 });
+    for time in [2.4, 3.5, 5.0, 7.2] {
+        let grown = scene.at(time).unwrap();
+        assert!(apart(&grown.clouds[0]) < 1e-9, "{time}: billows grow as it does");
+    }
 }
 
 #[test]
