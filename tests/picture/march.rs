@@ -34,9 +34,7 @@ const SIZE: [u32; 2] = [64, 36];
 fn rays(scene: &Scene) -> Vec<(DVec3, DVec3)> {
     let camera = scene.camera();
     let world = camera.world_from_camera();
-    let nephos::scene::Projection::Orthographic { height } = camera.projection else {
-        panic!("orthographic only")
-    };
+    let Projection::Orthographic { height } = camera.projection else { panic!("orthographic only") };
     let metres = height / f64::from(SIZE[1]);
     (0..SIZE[0] * SIZE[1])
         .map(|i| {
@@ -242,7 +240,7 @@ fn camera_inside_sees_only_what_is_ahead() {
 fn clouds_end_at_what_the_caller_drew() {
     let mut scene = homogeneous(40.0);
     let mut camera = scene.camera();
-    camera.projection = nephos::scene::Projection::Perspective { vertical_fov_deg: 20.0 };
+    camera.projection = Projection::Perspective { vertical_fov_deg: 20.0 };
     scene.camera = Some(camera.clone());
     let distance = camera.position.distance(camera.target);
     let (near, far) = (1.0f32, 2000.0f32);
@@ -371,11 +369,11 @@ fn single_scattering_of_a_sphere_is_the_integral() {
 fn rotation_of_the_quaternion_turns_the_picture() {
     // A quarter turn about the view axis is the same as swapping two radii.
     let mut turned = homogeneous(40.0);
-    let camera = nephos::scene::Camera {
+    let camera = Camera {
         position: DVec3::new(30.0, 1000.0, 400.0),
         target: DVec3::new(30.0, 1000.0, -20.0),
         roll_deg: 0.0,
-        projection: nephos::scene::Projection::Orthographic { height: 260.0 },
+        projection: Projection::Orthographic { height: 260.0 },
     };
     turned.camera = Some(camera);
     turned.clouds[0].ellipsoids[0].orientation = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
@@ -401,7 +399,7 @@ fn what_has_not_changed_is_not_redone() {
     assert!(first >= 2, "the first frame makes its light");
     assert_eq!(updates(&scene), first, "the same frame redoes nothing");
     scene.exposure = 2.0;
-    scene.camera = scene.camera.map(|camera| nephos::scene::Camera { roll_deg: 30.0, ..camera });
+    scene.camera = scene.camera.map(|camera| Camera { roll_deg: 30.0, ..camera });
     let rolled = updates(&scene);
     assert!(rolled - first <= 1, "a turned camera redoes at most the air in front of it: {first} {rolled}");
     scene.clouds[0].ellipsoids[0].radii.x += 1.0;

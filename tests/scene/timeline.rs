@@ -501,7 +501,24 @@ fn a_cloud_that_hands_over_to_itself_is_whole_at_every_moment() {
     for i in 0..100 {
         let moment = scene.at(f64::from(i) * 0.1).unwrap();
         let full = scene.clouds[0].ellipsoids[0].density;
-        let densest = moment.clouds[0].ellipsoids.iter().map(|e| e.density).fold(0.0, f64::max);
+        let all = moment.clouds.iter().flat_map(|cloud| &cloud.ellipsoids);
+        let densest = all.map(|e| e.density).fold(0.0, f64::max);
         assert!((densest - full).abs() < 1e-12, "{densest} at {i}");
+        // What fades is a cloud of its own, so that it thins nothing else.
+        let alike = |cloud: &Cloud| cloud.ellipsoids.iter().all(|e| e.density == cloud.ellipsoids[0].density);
+        assert!(moment.clouds.len() <= 2 && moment.clouds.iter().all(alike), "{i}");
+    }
+}
+
+#[test]
+fn both_clouds_of_a_loop_have_their_noise_with_them() {
+    let mut scene = looping();
+    scene.clouds[0].noise = Some(Noise::default());
+    let still = in_noise(&scene.clouds[0]);
+    let moment = scene.at(4.0).unwrap();
+    assert_eq!(moment.clouds.len(), 2);
+    for cloud in &moment.clouds {
+        let worst = in_noise(cloud).into_iter().zip(&still).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{worst}");
     }
 }
