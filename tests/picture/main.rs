@@ -3,6 +3,7 @@
 
 mod atmosphere;
 mod bench;
+mod bodies;
 mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
