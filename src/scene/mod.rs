@@ -135,7 +135,8 @@ impl Scene {
 
     /// Size of the largest billows of all clouds, m; 0 without clouds.
     pub fn largest_billows(&self) -> f64 {
-        let size = |cloud: &Cloud| Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.bounds()?));
+        let size =
+            |cloud: &Cloud| Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.bounds()?));
         self.clouds.iter().filter_map(size).fold(0.0, f64::max)
     }
 

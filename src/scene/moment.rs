@@ -105,6 +105,8 @@ impl Scene {
         let since_start = |time: f64| wind.since_start(time);
         for cloud in &mut self.clouds {
             cloud.fix_noise();
+            // What is carried off is not where it grows.
+            cloud.growth = None;
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));

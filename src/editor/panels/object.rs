@@ -196,15 +196,32 @@ fn growth(ui: &mut Ui, document: &mut Document, index: usize, cloud: &Cloud) {
 
 fn growth_rows(form: &mut Form<'_>, numbers: &mut Growth) {
     let kind = numbers.kind;
-    form.choice("Growth.kind", "Kind", &mut numbers.kind, &KINDS.map(|(name, path, kind)| (name, choice(path), kind)));
+    form.choice(
+        "Growth.kind",
+        "Kind",
+        &mut numbers.kind,
+        &KINDS.map(|(name, path, kind)| (name, choice(path), kind)),
+    );
     let usual = Growth::new(numbers.kind, numbers.seed);
     if numbers.kind != kind {
         // Of another kind, as it is usual, where it was.
         *numbers = Growth { place: numbers.place, heading_deg: numbers.heading_deg, ..usual.clone() };
     }
     form.whole("Growth.seed", "Seed", &mut numbers.seed, 1);
-    form.slider("Growth.width", "Width", &mut numbers.width, usual.width, 0.2 * usual.width..=3.0 * usual.width);
-    form.slider("Growth.height", "Height", &mut numbers.height, usual.height, 0.2 * usual.height..=3.0 * usual.height);
+    form.slider(
+        "Growth.width",
+        "Width",
+        &mut numbers.width,
+        usual.width,
+        0.2 * usual.width..=3.0 * usual.width,
+    );
+    form.slider(
+        "Growth.height",
+        "Height",
+        &mut numbers.height,
+        usual.height,
+        0.2 * usual.height..=3.0 * usual.height,
+    );
     form.slider("Growth.lean", "Lean", &mut numbers.lean, usual.lean, 0.0..=1.0);
     form.slider("Growth.heading_deg", "Heading", &mut numbers.heading_deg, usual.heading_deg, 0.0..=360.0);
     form.number("Growth.coverage", "Coverage", &mut numbers.coverage, usual.coverage);

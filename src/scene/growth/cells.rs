@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::pile::{Brood, Lump, Part, Pile, mixed};
 use super::Growth;
+use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
 /// How cells are filled.
