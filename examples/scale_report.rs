@@ -256,7 +256,7 @@ fn seen(clouds: Vec<Cloud>) -> Scene {
     let angles = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
     Scene {
         clouds,
-        noise: Noise { scale: 45.0, ..Noise::default() },
+        noise: Noise { scale: Some(45.0), ..Noise::default() },
         sun: Sun { position: angles, ..Sun::default() },
         camera: Some(Camera {
             position: DVec3::new(0.0, 700.0, 300.0),

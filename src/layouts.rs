@@ -8,7 +8,8 @@ use crate::{
     frame::{
         CameraUniform, MEDIA,
         medium::{
-            BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame, SpeciesUniform,
+            BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame,
+            SpeciesUniform,
         },
     },
     gpu,

@@ -112,7 +112,7 @@ fn matter_below(body: Body, index: u32, edge: Edge, y: f32, noise: vec2f, blur: 
     let profile = height_profile(height * body.inverse_height, body.stratification);
     let kept = undiluted(body.dilution, d, edge.boundary);
     let extinction = edge.extinction * profile * kept * smooth_rise(d / width);
-    let inside = d - select(width, (DILUTED - 1.0) * edge.boundary, body.dilution > 0.0);
+    let inside = d - select(width, max(width, (DILUTED - 1.0) * edge.boundary), body.dilution > 0.0);
     let even = select(inside, min(inside, EVEN * min(edge.depth, max(height, 0.0))), body.uneven > 0.0);
     return Matter(extinction, d, max(-d, even), 0.0, index);
 }

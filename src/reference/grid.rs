@@ -83,7 +83,7 @@ mod tests {
                     orientation: turned,
                     ..Ellipsoid::new(center.into(), DVec3::new(90.0, 3.0, 40.0))
                 };
-                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
+                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO, 10.0)
             })
             .to_vec();
         let grid = Grid::new(&ellipsoids, 4000);

@@ -5,9 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Growth, Life, Noise, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Life, Noise, union};
 use crate::Result;
 
+/// Least part of an ellipsoid that is shown of it.
+const LEAST_SEEN: f64 = 0.2;
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 /// A cloud: the union of its ellipsoids, filled with droplets of one kind.
@@ -40,6 +42,9 @@ pub struct Cloud {
     /// boundary none are lost.
     #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub dilution: f64,
+    /// Where its edge has turned to wisps.
+    #[serde(skip_serializing_if = "Evaporation::is_none")]
+    pub evaporation: Evaporation,
     /// The noise that shapes its boundary, and drifts with it; the scene's where left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
@@ -65,6 +70,7 @@ impl Default for Cloud {
             blend: 0.5,
             stratification: 0.0,
             dilution: 0.0,
+            evaporation: Evaporation::default(),
             noise: None,
             life: None,
             hidden: false,
@@ -122,6 +128,14 @@ impl Cloud {
         ellipsoid.edge.as_ref().unwrap_or(&self.edge)
     }
 
+    /// `ellipsoid` as it is seen on average over the noise: its edge is where half of the boundary lies behind.
+    #[must_use]
+    pub fn mean_edge(&self, ellipsoid: &Ellipsoid) -> Ellipsoid {
+        let depth = 0.5 * self.edge_of(ellipsoid).boundary;
+        let least = LEAST_SEEN * ellipsoid.radii;
+        Ellipsoid { radii: (ellipsoid.radii - depth).max(least), ..ellipsoid.clone() }
+    }
+
     pub(super) fn check(&self, at: At) -> Result<()> {
         let list = at.field("ellipsoids");
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
@@ -140,6 +154,7 @@ impl Cloud {
         at.field("blend").number(self.blend, SHARE)?;
         at.field("stratification").number(self.stratification, SHARE)?;
         at.field("dilution").number(self.dilution, SHARE)?;
+        self.evaporation.check(at.field("evaporation"))?;
         if let Some(noise) = &self.noise {
             noise.check(at.field("noise"))?;
         }

@@ -94,6 +94,10 @@ impl Scene {
         }
     }
 
+    fn shear(&self) -> Shear {
+        Shear { gradient: 1e-3 * self.wind.shear, base: self.bounds().map_or(0.0, |(low, _)| low.y) }
+    }
+
     pub(super) fn period(&self) -> Option<f64> {
         self.timeline.as_ref().and_then(super::Timeline::period)
     }
@@ -103,25 +107,50 @@ impl Scene {
         let (time, period) = (self.time, self.period());
         let wind = Drift::of(self);
         let since_start = |time: f64| wind.since_start(time);
+        let shear = self.shear();
         for cloud in &mut self.clouds {
             cloud.fix_noise();
             // What is carried off is not where it grows.
             cloud.growth = None;
+            cloud.evaporate(self.wind.velocity);
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));
                     let drift = since_start(life.birth + age) - since_start(life.birth + 0.5 * span);
+                    shear.lean(&mut cloud.ellipsoids, age - 0.5 * span);
                     life::grown(cloud, life.fullness(age, span));
                     cloud.blow(drift);
                 }
-                (None, Some(period)) if since_start(period) != DVec3::ZERO => {
+                (None, Some(period)) if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO => {
                     let (gone, round) = (since_start(time), since_start(period));
-                    let coming = part(cloud, 2.0 * time / period, gone - round);
-                    let leaving = part(cloud, 2.0 * (1.0 - time / period), gone);
+                    let mut coming = part(cloud, 2.0 * time / period, gone - round);
+                    let mut leaving = part(cloud, 2.0 * (1.0 - time / period), gone);
+                    shear.lean(&mut coming, time - period);
+                    shear.lean(&mut leaving, time);
                     cloud.ellipsoids = [leaving, coming].concat();
                 }
-                (None, _) => cloud.blow(since_start(time)),
+                (None, _) => {
+                    shear.lean(&mut cloud.ellipsoids, time);
+                    cloud.blow(since_start(time));
+                }
             }
+        }
+    }
+}
+
+/// What the wind has more of higher up.
+struct Shear {
+    /// m/s each metre.
+    gradient: DVec3,
+    /// Above this altitude, m.
+    base: f64,
+}
+
+impl Shear {
+    /// Carries ellipsoids as much farther as the wind did in `time`, s, that goes over their middles.
+    fn lean(&self, ellipsoids: &mut [Ellipsoid], time: f64) {
+        for ellipsoid in ellipsoids.iter_mut().filter(|_| self.gradient != DVec3::ZERO) {
+            ellipsoid.center += time * (ellipsoid.center.y - self.base) * self.gradient;
         }
     }
 }

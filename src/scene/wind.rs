@@ -18,10 +18,20 @@ pub struct Wind {
     /// `time` times as far.
     #[schemars(with = "[f64; 3]", inner(range(min = SPEED.min, max = SPEED.max)), extend("unit" = SPEED.unit))]
     pub velocity: DVec3,
+    /// How much faster it goes each kilometre above the lowest base of all clouds [x, y, z], metres per
+    /// second, each -1000 to 1000. Towers lean with it as time goes by, and high clouds overtake low ones.
+    #[serde(skip_serializing_if = "is_none")]
+    #[schemars(with = "[f64; 3]", inner(range(min = SPEED.min, max = SPEED.max)), extend("unit" = SPEED.unit))]
+    pub shear: DVec3,
+}
+
+fn is_none(shear: &DVec3) -> bool {
+    *shear == DVec3::ZERO
 }
 
 impl Wind {
     pub(super) fn check(&self, at: At) -> Result<()> {
-        at.field("velocity").numbers(&self.velocity.to_array(), SPEED)
+        at.field("velocity").numbers(&self.velocity.to_array(), SPEED)?;
+        at.field("shear").numbers(&self.shear.to_array(), SPEED)
     }
 }

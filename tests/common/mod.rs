@@ -4,6 +4,8 @@
 
 pub mod atmosphere;
 pub mod compiled;
+pub mod constants;
+pub mod hull;
 #[cfg(feature = "export")]
 pub mod picture;
 #[cfg(feature = "export")]

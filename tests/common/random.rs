@@ -156,13 +156,30 @@ fn droplets() -> impl Strategy<Value = Droplets> {
 
 fn cloud() -> impl Strategy<Value = Cloud> {
     let place = (direction(), 0.0..1000.0);
-    (proptest::collection::vec(ellipsoid(), 1..6), droplets(), edge(), place).prop_map(
-        |(mut ellipsoids, droplets, edge, (way, out))| {
+    let body = (0.0..=1.0, share(), share(), proptest::option::weighted(0.25, noise()));
+    (proptest::collection::vec(ellipsoid(), 1..6), droplets(), edge(), place, body).prop_map(
+        |(mut ellipsoids, droplets, edge, (way, out), (blend, stratification, dilution, noise))| {
             let middle = 1500.0 * DVec3::Y + out * way;
             ellipsoids.iter_mut().for_each(|e| e.center += middle);
-            Cloud { ellipsoids, droplets, edge, ..Cloud::default() }
+            Cloud { ellipsoids, droplets, edge, blend, stratification, dilution, noise, ..Cloud::default() }
         },
     )
+}
+
+/// Often none at all.
+fn share() -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 1 => 0.0..=1.0]
+}
+
+/// Noise of any kind whose size is that of its cloud.
+fn noise() -> impl Strategy<Value = Noise> {
+    (any::<u32>(), 0.0..=1.0, 2.0..=2.9, turn()).prop_map(|(seed, detail, dimension, rotation)| Noise {
+        seed,
+        detail,
+        dimension,
+        rotation,
+        ..Noise::default()
+    })
 }
 
 fn camera() -> impl Strategy<Value = Camera> {
@@ -192,13 +209,13 @@ pub fn white() -> Sky {
 /// Any scene.
 pub fn scenes() -> impl Strategy<Value = Scene> {
     let clouds = proptest::collection::vec(cloud(), 1..4);
-    let noise = (log(1.0, 1000.0), 0.0..=1.0, turn());
+    let noise = (log(1.0, 1000.0), noise());
     let sun = (0.0..360.0, -10.0..90.0);
     (clouds, noise, sun, sky(), camera()).prop_map(
-        |(clouds, (scale, detail, rotation), (azimuth_deg, elevation_deg), sky, camera)| Scene {
+        |(clouds, (scale, noise), (azimuth_deg, elevation_deg), sky, camera)| Scene {
             camera: Some(looking_at(clouds[0].ellipsoids[0].center, camera)),
             clouds,
-            noise: Noise { scale, detail, rotation, ..Noise::default() },
+            noise: Noise { scale: Some(scale), ..noise },
             sun: Sun { position: SunPosition::Angles { azimuth_deg, elevation_deg }, ..Sun::default() },
             sky,
             ..Scene::default()

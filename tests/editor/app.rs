@@ -382,7 +382,7 @@ fn the_world_is_lit_and_exposed_by_its_panel() {
     enter(&mut window, "Exposure", "-1.5");
     enter(&mut window, "Billow size", "95");
     let scene = window.state().scene();
-    assert_eq!((scene.exposure, scene.noise.scale), (-1.5, 95.0));
+    assert_eq!((scene.exposure, scene.noise.scale), (-1.5, Some(95.0)));
     assert!(scene.to_json().contains("\"haze\": 4.0"));
 
     // Every kind of everything has its rows, whose words the schema must have.

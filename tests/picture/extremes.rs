@@ -211,7 +211,7 @@ fn noise_of_every_size_and_strength() {
     {
         for boundary in [0.0, 1e-3, 50.0, 1e4] {
             let mut scene = scene(DVec3::splat(100.0), 20.0, 400.0);
-            scene.noise = Noise { scale, detail, ..Noise::default() };
+            scene.noise = Noise { scale: Some(scale), detail, ..Noise::default() };
             scene.clouds[0].edge = Edge { boundary, wispiness };
             let most = covered(&picture(&scene));
             assert!(most < 0.5 && (boundary > 50.0 || most > 0.1), "{scale} {boundary}: {most}");
@@ -278,7 +278,7 @@ fn device(required_limits: wgpu::Limits) -> Gpu {
 #[test]
 fn boundaries_thicker_than_their_ellipsoid_are_not_stepped_over() {
     let mut sheet = scene(DVec3::new(150.0, 7.0, 150.0), 3000.0, 10.0);
-    sheet.noise.scale = 30.0;
+    sheet.noise.scale = Some(30.0);
     sheet.clouds[0].edge = Edge { boundary: 60.0, wispiness: 0.9 };
     let mut renderer = renderer(COARSE, Transport::EMITTER);
     let mut seen = |first_step: f32, longest_step: f32| {

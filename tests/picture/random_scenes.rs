@@ -16,7 +16,7 @@ use glam::{DQuat, DVec3};
 use nephos::{
     export::Picture,
     render::{Quality, Renderer, Transport},
-    scene::{Ellipsoid, Phase, Projection, Scene, Sky, SunPosition},
+    scene::{Cloud, Ellipsoid, Noise, Phase, Projection, Scene, Sky, SunPosition},
 };
 use proptest::strategy::Strategy;
 
@@ -71,12 +71,17 @@ fn calm_scenes() -> impl Strategy<Value = Scene> {
 }
 
 fn without_spikes(mut scene: Scene) -> Scene {
-    let most = 4.0 * scene.noise.scale;
     for cloud in &mut scene.clouds {
+        let most = 4.0 * billows(&scene.noise, cloud);
         let own = cloud.ellipsoids.iter_mut().filter_map(|ellipsoid| ellipsoid.edge.as_mut());
         own.chain([&mut cloud.edge]).for_each(|edge| edge.boundary = edge.boundary.min(most));
     }
     scene
+}
+
+/// Size of the largest billows of a cloud, m.
+fn billows(noise: &Noise, cloud: &Cloud) -> f64 {
+    cloud.noise.as_ref().unwrap_or(noise).scale_in(cloud.bounds().unwrap())
 }
 
 /// Clouds as there are: at most 1000 droplets in a cubic centimetre, edges no thicker than what they are
@@ -86,9 +91,10 @@ fn natural_scenes() -> impl Strategy<Value = Scene> {
         for cloud in &mut scene.clouds {
             let droplets = &mut cloud.droplets.concentration_per_cm3;
             *droplets = droplets.min(1000.0);
+            let billows = billows(&scene.noise, cloud);
             for ellipsoid in &mut cloud.ellipsoids {
                 let mut edge = ellipsoid.edge.take().unwrap_or_else(|| cloud.edge.clone());
-                edge.boundary = edge.boundary.min(scene.noise.scale).min(ellipsoid.radii.min_element());
+                edge.boundary = edge.boundary.min(billows).min(ellipsoid.radii.min_element());
                 ellipsoid.edge = Some(edge);
             }
         }
@@ -163,7 +169,7 @@ fn far_from_the_origin_is_like_near_it(cases: u32) {
     keeps_the_picture(cases, &calm_scenes(), Bounds { half: 1e-4, most: 1e-3, all: 0.01 }, |scene| {
         let far = DVec3::new(1e5, 0.0, -7e4);
         scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids).for_each(|e| e.center += far);
-        scene.noise.offset += far;
+        scene.noises_mut().for_each(|noise| noise.offset += far);
         let camera = scene.camera.as_mut().unwrap();
         camera.position += far;
         camera.target += far;
@@ -209,12 +215,19 @@ fn the_world_has_no_axes(cases: u32) {
 fn turned_about_the_zenith(cases: u32, angle_deg: f64, bounds: Bounds) {
     keeps_the_picture(cases, &natural_scenes(), bounds, |scene| {
         let turn = DQuat::from_rotation_y(-angle_deg.to_radians());
+        // The size of billows that none told is that of a box along the axes.
+        for cloud in &mut scene.clouds {
+            let size = cloud.noise.as_ref().map(|_| billows(&scene.noise, cloud));
+            cloud.noise.iter_mut().for_each(|noise| noise.scale = size);
+        }
         for ellipsoid in scene.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.center = turn * ellipsoid.center;
             ellipsoid.orientation = (turn * ellipsoid.orientation).normalize();
         }
-        scene.noise.rotation = (turn * scene.noise.rotation).normalize();
-        scene.noise.offset = turn * scene.noise.offset;
+        for noise in scene.noises_mut() {
+            noise.rotation = (turn * noise.rotation).normalize();
+            noise.offset = turn * noise.offset;
+        }
         let camera = scene.camera.as_mut().unwrap();
         camera.position = turn * camera.position;
         camera.target = turn * camera.target;

@@ -1,17 +1,16 @@
-//! Ellipsoids, density and noise.
+//! Ellipsoids and noise.
 //!
 //! An ellipsoid is packed as its rows (w: inverse radii) in x[0] to x[2], its centre (w: extinction)
-//! in x[3], displacement, rise, wispiness and core in x[4]; then a point, of the cloud's frame or of
+//! in x[3], boundary, nothing, wispiness and core in x[4]; then a point, of the cloud's frame or of
 //! the unit sphere's, a ray, and parameters.
 
 use glam::{DMat3, DQuat, DVec3};
 
-use crate::definitions::rise;
 use crate::harness::{Input, Output, Random, Twin, Wide};
-use crate::pack::{grid, input, line, one, three, two, vector, xyz};
+use crate::pack::{input, one, three, two, vector, xyz};
 
 const MAKE: &str = "fn make(x: array<vec4f, 8>) -> Ellipsoid {
-    return Ellipsoid(x[0], x[1], x[2], x[3].xyz, x[3].w, x[4].x, x[4].y, x[4].z, x[4].w, 3u, 0u, 0u, 0u);
+    return Ellipsoid(x[0], x[1], x[2], x[3].xyz, x[3].w, x[4].x, x[4].z, x[4].w, 3u);
 }";
 
 /// The map onto the unit sphere.
@@ -26,7 +25,7 @@ fn pack(q: DMat3, radii: DVec3, center: DVec3, p: DVec3, ray: DVec3, parameters:
         row(q.y_axis, radii.y),
         row(q.z_axis, radii.z),
         vector(center, 0.05),
-        [20.0, 4.0, 0.3, 0.6],
+        [20.0, 0.0, 0.3, 0.6],
         vector(p, 1.0),
         vector(ray, 0.0),
         parameters,
@@ -60,9 +59,6 @@ fn edges(of_sphere: bool, scales: &[f64]) -> Vec<Input> {
 const ALL: &[f64] = &[0.0, 1e-3, 0.3, 0.8, 0.999, 1.0, 1.001, 1.7];
 /// At the centre the normal has no direction and the depth only a limit.
 const OFF_CENTER: &[f64] = &[1e-3, 0.3, 0.8, 0.999, 1.0, 1.001, 1.7];
-/// On the surface rounding decides between inside and outside.
-const OFF_SURFACE: &[f64] = &[1e-3, 0.3, 0.8, 0.999, 1.001, 1.7];
-
 /// Radii from 1 cm to 100 km, the longest up to 10 000 times the shortest.
 fn radii(random: &mut Random) -> DVec3 {
     let longest = random.log(0.01, 1e5);
@@ -124,12 +120,7 @@ fn at_radius(random: &mut Random, k: f64) -> Input {
         DVec3::X,
         [noise[0], noise[1], random.log(0.01, 1e3), 0.0],
     );
-    x[4] = [
-        random.log(0.01, 300.0) as f32,
-        random.log(0.01, 300.0) as f32,
-        random.between(0.0, 1.0) as f32,
-        0.6,
-    ];
+    x[4] = [random.log(0.01, 300.0) as f32, 0.0, random.between(0.0, 1.0) as f32, 0.6];
     x
 }
 
@@ -153,11 +144,6 @@ fn depth(x: &Wide) -> f64 {
     (1.0 - u.length()) * u.length() / (map(x).transpose() * u).length()
 }
 
-fn displaced(x: &Wide, noise: [f64; 2]) -> f64 {
-    let n = noise[0] * (1.0 - x[4][2]) + noise[1] * x[4][2];
-    depth(x) - x[4][0] * (1.0 - n) / 2.0
-}
-
 /// The closest approach as the height of the parallelogram of o and v: |o x v| / |v|.
 fn chord(x: &Wide) -> Output {
     let m = map(x);
@@ -176,33 +162,6 @@ fn chord(x: &Wide) -> Output {
     }
     let (middle, half) = (-o.dot(v) / v.length_squared(), left.sqrt() / v.length());
     two(middle - half, middle + half)
-}
-
-/// One more ellipsoid over matter of extinction 0.01 at depth -3.
-fn matter(x: &Wide) -> Output {
-    if xyz(x[5]).length() >= 1.0 {
-        return [0.01, -3.0, 7.0, 1.0];
-    }
-    // Half of what the edge is wider goes outwards.
-    let width = f64::max(x[4][1], x[7][2]);
-    let d = displaced(x, [x[7][0], x[7][1]]) + 0.5 * (width - x[4][1]);
-    let extinction = x[3][3] * rise(d / width);
-    // Where two of those that are compared are nearly alike, rounding decides: a depth is off by a
-    // few last places of the longest radius.
-    let longest = x[..3].iter().map(|row| row[3].recip()).fold(0.0, f64::max);
-    let blur = 1e-3 + 1e-6 * longest;
-    let alike = (extinction - 0.01).abs() < 1e-5 + 0.1 * blur / width;
-    if alike || [-3.0, 0.5 * width].iter().any(|end| (d - end).abs() < blur) {
-        return [f64::NAN; 4];
-    }
-    // Steady only where the deepest ellipsoid is also the densest.
-    let steady = match d > -3.0 {
-        true if extinction >= 0.01 => f64::max(-d, d - width),
-        false if extinction <= 0.01 => 7.0,
-        _ => 0.0,
-    };
-    let species = if extinction > 0.01 { 3.0 } else { 1.0 };
-    [f64::max(0.01, extinction), d.max(-3.0), steady, species]
 }
 
 pub fn twins() -> Vec<Twin> {
@@ -254,62 +213,6 @@ pub fn twins() -> Vec<Twin> {
         .edges(edges(false, ALL))
         .over("far", far),
         Twin::new(
-            "noise_sum",
-            "noise",
-            "return vec4f(noise_sum(x[0].xy, x[0].zw, x[1].x), 0.0, 0.0);",
-            |x| {
-                let w = x[1][0];
-                two((x[0][0] + w * x[0][2]) / (1.0 + w), (x[0][1] + w * x[0][3]) / (1.0 + w))
-            },
-        )
-        .edges(weighted(grid(&[-1.0, 0.3], &[0.5, 1.0], &[-1.0, 0.1], &[0.7])))
-        .over("all", |random| {
-            let noise = [(); 4].map(|()| random.between(-1.0, 1.0));
-            input([noise, [random.between(0.0, 1.0), 0.0, 0.0, 0.0]])
-        }),
-        Twin::new("smooth_rise", "density", "return vec4f(smooth_rise(x[0].x));", |x| one(rise(x[0][0])))
-            .edges(line(&[-1.0, 0.0, 1e-3, 0.2, 0.5, 0.9, 1.0, 3.0]))
-            .over("all", |random| input([[random.log(1e-6, 2.0), 0.0, 0.0, 0.0]])),
-        Twin::new(
-            "displaced_depth",
-            "density",
-            "return vec4f(displaced_depth(edge_of(make(x)), x[5].w * 10.0, x[7].xy));",
-            |x| one(10.0 - depth(x) + displaced(x, [x[7][0], x[7][1]])),
-        )
-        .declaring(MAKE)
-        .edges(edges(true, OFF_CENTER))
-        .over("within", within),
-        Twin::new("edge_of", "density", "let e = edge_of(make(x)); return vec4f(e.extinction, e.displacement, e.rise, e.wispiness);", |x| {
-            [x[3][3], x[4][0], x[4][1], x[4][2]]
-        })
-        .declaring(MAKE)
-        .edges(edges(true, OFF_CENTER)),
-        Twin::new(
-            "matter_below",
-            "density",
-            "let m = matter_below(edge_of(make(x)), 10.0, x[7].xy, x[7].z);
-             return vec4f(m.extinction, m.depth, m.steady, f32(m.species) + m.clear);",
-            |x| {
-                let width = f64::max(x[4][1], x[7][2]);
-                let noise = displaced(x, [x[7][0], x[7][1]]) - depth(x);
-                let d = 10.0 + noise + 0.5 * (width - x[4][1]);
-                [x[3][3] * rise(d / width), d, f64::max(-d, d - width), 3.0]
-            },
-        )
-        .declaring(MAKE)
-        .edges(edges(true, OFF_CENTER)),
-        Twin::new(
-            "matter_with",
-            "density",
-            "let m = matter_with(Matter(0.01, -3.0, 7.0, 0.0, 1u), make(x), x[5].xyz, x[7].xy, x[7].z);
-             return vec4f(m.extinction, m.depth, m.steady, f32(m.species));",
-            matter,
-        )
-        .declaring(MAKE)
-        .edges(edges(true, OFF_SURFACE))
-        .over("within", within)
-        .over("surface", surface),
-        Twin::new(
             "ellipsoid_facing",
             "ellipsoid",
             "return ellipsoid_facing(make(x), x[5].xyz);",
@@ -323,15 +226,13 @@ pub fn twins() -> Vec<Twin> {
         .edges(edges(true, OFF_CENTER))
         .over("within", within),
         Twin::new("ellipsoid_boundary", "ellipsoid", "return vec4f(ellipsoid_boundary(make(x), x[7].x));", |x| {
-            // No thicker than where the core would have a scale of 0, and a part of one of its edges.
-            let [displacement, rise, _, core] = x[4];
-            let whole = (displacement + rise) / if core < 0.0 { 1.0 - core } else { 1.0 };
-            one(whole / (displacement * x[7][0]).max(1.0))
+            // No thicker than its smallest radius, and a part of one of its edges.
+            let smallest = x[..3].iter().map(|row| row[3].recip()).fold(f64::INFINITY, f64::min);
+            one(x[4][0].min(smallest) / (x[4][0] * x[7][0]).max(1.0))
         })
         .declaring(MAKE)
         .over("all", |random| {
             let mut x = within(random);
-            x[4][3] = random.between(-5.0, 1.0) as f32;
             x[7][0] = random.log(1e-4, 1.0) as f32;
             x
         }),
@@ -347,9 +248,4 @@ pub fn twins() -> Vec<Twin> {
             input([vector(origin, t), vector(random.direction(), 0.0)])
         }),
     ]
-}
-
-fn weighted(mut inputs: Vec<Input>) -> Vec<Input> {
-    inputs.iter_mut().for_each(|x| x[1][0] = 0.5);
-    inputs
 }

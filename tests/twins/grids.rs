@@ -109,10 +109,10 @@ pub fn twins() -> Vec<Twin> {
     all
 }
 
-/// A volume of 3 by 2 slots whose bricks are 40 m, and edges of which 6 to 40 % rise.
+/// A volume of 3 by 2 slots whose bricks are 40 m.
 const DEPTHS: &str = "fn volume() -> DepthVolume {
     return DepthVolume(vec3f(-10.0, 20.0, 5.0), 40.0, vec3u(5u, 4u, 3u), 0.05, vec3f(0.01, 0.02, 0.04), 30.0,
-        vec2u(3u, 2u), vec2f(0.06, 0.4));
+        vec2u(3u, 2u), 5.0, 60.0);
 }";
 
 /// Where the slot of a brick begins, texels.
@@ -193,16 +193,14 @@ fn depths() -> Vec<Twin> {
         Twin::new(
             "depth_edge",
             "depth_volume",
-            "let e = depth_edge(volume(), x[0]); return vec4f(e.extinction, e.displacement, e.rise, e.wispiness);",
+            "let e = depth_edge(volume(), x[0]); return vec4f(e.depth, e.extinction, e.boundary, e.wispiness);",
             |x| {
-                // Rise and displacement are the boundary together.
-                let share = 0.06 + 0.34 * x[0][3];
-                let boundary = x[0][2] / (1.0 - share);
-                [x[0][1], x[0][2], f64::max(share * boundary, 1e-3), x[0][3]]
+                let [depth, share, boundary, wispiness] = x[0];
+                [depth, f64::from(0.05f32) * share, boundary, wispiness]
             },
         )
         .declaring(DEPTHS)
-        .edges(grid(&[5.0], &[0.03, 0.1], &[0.0, 20.0, 300.0], &[0.0, 0.4, 1.0])),
+        .edges(grid(&[5.0], &[0.03, 1.0], &[0.0, 20.0, 300.0], &[0.0, 0.4, 1.0])),
         Twin::new(
             "depth_clear",
             "depth_volume",

@@ -21,6 +21,7 @@ mod grids;
 mod harness;
 mod light;
 mod march;
+mod matter;
 mod pack;
 mod path;
 mod picture;
@@ -63,6 +64,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 fn twins() -> Vec<Twin> {
     [
         geometry::twins(),
+        matter::twins(),
         scattering::twins(),
         slab::twins(),
         air::twins(),

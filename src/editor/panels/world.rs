@@ -4,7 +4,7 @@ use eframe::egui::Ui;
 use egui_phosphor::regular as icon;
 use glam::DVec3;
 
-use super::{SunPanel, apply, hint, section};
+use super::{SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
     scene::{Atmosphere, Camera, Ground, Noise, Projection, Sky, ToneCurve},
@@ -150,23 +150,11 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
     }
 }
 
-/// Size of the largest billows that is offered where none was told, m.
-const BILLOWS: f64 = 120.0;
-
 fn noise(ui: &mut Ui, document: &mut Document) {
     let mut noise = document.scene().noise.clone();
     let default = Noise::default();
     let mut form = Form::new(ui).keyed(document, "");
-    form.whole("Noise.seed", "Seed", &mut noise.seed, default.seed);
-    let mut scaled = noise.scale.is_some();
-    form.check("Noise.scale", "Size in metres", &mut scaled, false);
-    noise.scale = scaled.then(|| noise.scale.unwrap_or(BILLOWS));
-    if let Some(scale) = &mut noise.scale {
-        form.slider("Noise.scale", "Billow size", scale, BILLOWS, 1.0..=1000.0);
-    }
-    form.number("Noise.dimension", "Dimension", &mut noise.dimension, default.dimension);
-    form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
-    form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
+    noise_rows(&mut form, &mut noise);
     form.vector("Noise.offset", "Offset", &mut noise.offset, default.offset);
     form.rotation("Noise.rotation", "Rotation", &mut noise.rotation);
     let change = form.changed();
@@ -184,10 +172,11 @@ fn ground(ui: &mut Ui, document: &mut Document) {
 }
 
 fn wind(ui: &mut Ui, document: &mut Document) {
-    let (mut velocity, mut time) = (document.scene().wind.velocity, document.scene().time);
+    let (mut wind, mut time) = (document.scene().wind.clone(), document.scene().time);
     let mut form = Form::new(ui).keyed(document, "");
-    form.vector("Wind.velocity", "Velocity", &mut velocity, DVec3::ZERO);
+    form.vector("Wind.velocity", "Velocity", &mut wind.velocity, DVec3::ZERO);
+    form.vector("Wind.shear", "Shear", &mut wind.shear, DVec3::ZERO);
     form.slider("Scene.time", "Time", &mut time, 0.0, 0.0..=600.0);
     let change = form.changed();
-    apply(document, change, |scene| (scene.wind.velocity, scene.time) = (velocity, time));
+    apply(document, change, |scene| (scene.wind, scene.time) = (wind, time));
 }

@@ -48,7 +48,8 @@ pub fn outlines(
             1 => (1.6, ink::HOVER),
             _ => (1.0, ink::QUIET),
         };
-        for line in outline::lines(ellipsoid, lens) {
+        let seen = scene.clouds[id.cloud].mean_edge(ellipsoid);
+        for line in outline::lines(&seen, lens) {
             ink::line(painter, &line, width + if hovered && rank > 1 { 0.8 } else { 0.0 }, color);
         }
     }

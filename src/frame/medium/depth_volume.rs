@@ -147,9 +147,9 @@ fn densest(ellipsoids: &[EllipsoidUniform]) -> f32 {
 }
 
 /// Thickness of the boundary that steps go by, m: of all ellipsoids' the lower quartile, none thicker
-/// than its ellipsoid.
+/// than its ellipsoid is wide.
 fn usual_boundary(ellipsoids: &[EllipsoidUniform]) -> f32 {
-    let mut all: Vec<f32> = ellipsoids.iter().map(|e| e.boundary.min(e.smallest_radius())).collect();
+    let mut all: Vec<f32> = ellipsoids.iter().map(|e| e.boundary.min(2.0 * e.smallest_radius())).collect();
     let place = all.len() / 4;
     if all.is_empty() { 1.0 } else { *all.select_nth_unstable_by(place, f32::total_cmp).1 }
 }

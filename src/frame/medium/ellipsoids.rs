@@ -19,6 +19,15 @@ pub struct EllipsoidUniform {
     pub(crate) body: u32,
 }
 
+/// Distances that are nothing, m: what rounding leaves of differences of coordinates up to 10 000 km.
+const NOTHING: f64 = 1e-7;
+
+/// A place in a cloud's frame: 0 where it is but for rounding, so that a cloud that drifts stays the same.
+fn place(p: DVec3) -> Vec3 {
+    let exact = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
+    DVec3::new(exact(p.x), exact(p.y), exact(p.z)).as_vec3()
+}
+
 impl EllipsoidUniform {
     /// `ellipsoid` of `cloud` in a frame whose origin is at `origin`, whose core begins `steady` metres
     /// below the surface.
@@ -30,7 +39,7 @@ impl EllipsoidUniform {
             row_x: row(axes.x_axis, ellipsoid.radii.x),
             row_y: row(axes.y_axis, ellipsoid.radii.y),
             row_z: row(axes.z_axis, ellipsoid.radii.z),
-            center: (ellipsoid.center - origin).as_vec3(),
+            center: place(ellipsoid.center - origin),
             extinction: (cloud.droplets.extinction() * ellipsoid.density) as f32,
             boundary: edge.boundary as f32,
             wispiness: edge.wispiness as f32,
@@ -41,7 +50,7 @@ impl EllipsoidUniform {
 
     /// The same ellipsoid with its middle at `center`, m, in body `body` of a table.
     pub(crate) fn placed(self, center: DVec3, body: u32) -> Self {
-        Self { center: center.as_vec3(), body, ..self }
+        Self { center: place(center), body, ..self }
     }
 
     /// Half the extent of `axis . p`: along a unit vector, half the width in metres.

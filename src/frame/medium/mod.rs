@@ -41,7 +41,7 @@ pub(crate) const ELLIPSOIDS: Role<'static> =
     ("medium", include_str!("../../../shaders/medium/ellipsoids.wgsl"));
 
 /// What a cloud is made of.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(crate) struct Medium {
     /// Differs where anything does, but for chance.
     pub fingerprint: u64,
@@ -56,6 +56,16 @@ pub(crate) struct Medium {
     scale: f64,
     origin: DVec3,
     pub species: Shared<Species>,
+}
+
+/// Whether shaders see the same: wherever in the world it is, as a cloud that drifts with its noise.
+impl PartialEq for Medium {
+    fn eq(&self, other: &Self) -> bool {
+        self.fingerprint == other.fingerprint
+            && self.ellipsoids == other.ellipsoids
+            && self.body == other.body
+            && self.species == other.species
+    }
 }
 
 impl Medium {
@@ -148,11 +158,7 @@ pub(crate) struct Common {
 }
 
 impl Common {
-    pub fn new(
-        device: &wgpu::Device,
-        bodies: &[BodyUniform],
-        noise_volume: wgpu::TextureView,
-    ) -> Self {
+    pub fn new(device: &wgpu::Device, bodies: &[BodyUniform], noise_volume: wgpu::TextureView) -> Self {
         Self {
             bodies: gpu::storage_buffer(device, "bodies", bodies),
             noise_volume,

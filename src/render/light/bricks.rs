@@ -117,7 +117,7 @@ mod tests {
         let ellipsoids: Vec<_> = [[0.0, 0.0, 0.0], [150.0, 30.0, -40.0], [40.0, 400.0, 0.0]]
             .map(|center| {
                 let e = Ellipsoid { orientation: turned, ..Ellipsoid::new(center.into(), radii) };
-                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
+                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO, 10.0)
             })
             .to_vec();
         let along = Vec3::new(0.48, -0.8, 0.36);

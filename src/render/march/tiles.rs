@@ -201,7 +201,7 @@ mod tests {
             .map(|center| {
                 let mut e = Ellipsoid::new(center.into(), DVec3::new(90.0, 12.0, 40.0));
                 e.orientation = turned;
-                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO)
+                EllipsoidUniform::new(&cloud, &e, DVec3::ZERO, 10.0)
             })
             .to_vec()
     }

@@ -241,6 +241,7 @@ fn shell(cloud: &Cloud) -> Cloud {
         blend: cloud.blend,
         stratification: cloud.stratification,
         dilution: cloud.dilution,
+        evaporation: cloud.evaporation.clone(),
         noise: cloud.noise.clone(),
         life: cloud.life.clone(),
         hidden: cloud.hidden,
