@@ -16,7 +16,7 @@ use glam::DVec3;
 use super::life::{self, smooth};
 use super::timeline::{self, Curve};
 use super::validate::At;
-use super::{Camera, Cloud, Ellipsoid, Scene};
+use super::{Camera, Cloud, Ellipsoid, Evaporation, Scene};
 use crate::Result;
 
 impl Scene {
@@ -113,6 +113,7 @@ impl Scene {
             // What is carried off is not where it grows.
             cloud.growth = None;
             cloud.evaporate(self.wind.velocity);
+            cloud.evaporation = Evaporation::default();
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));
@@ -121,7 +122,9 @@ impl Scene {
                     life::grown(cloud, life.fullness(age, span));
                     cloud.blow(drift);
                 }
-                (None, Some(period)) if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO => {
+                (None, Some(period))
+                    if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO =>
+                {
                     let (gone, round) = (since_start(time), since_start(period));
                     let mut coming = part(cloud, 2.0 * time / period, gone - round);
                     let mut leaving = part(cloud, 2.0 * (1.0 - time / period), gone);

@@ -387,7 +387,7 @@ fn a_cloud_grows_anew_with_its_numbers() {
     document.edit("Width", |scene| scene.clouds[0].growth.as_mut().unwrap().width = 900.0);
     assert!(document.scene().clouds[0].is_as_grown() && document.take_news().is_none());
     let (low, high) = document.scene().bounds().unwrap();
-    assert!((high - low).x > 600.0);
+    assert!((high - low).x > 450.0);
     document.undo();
     assert_eq!(*document.scene(), *growing().scene());
 }

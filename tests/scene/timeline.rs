@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nephos::scene::{
-    Life, Preset, Scene, Timeline,
+    Evaporation, Life, Preset, Scene, Timeline,
     timeline::{Curve, Interpolation, Key, Owner, Place, Track, owner_path},
 };
 
@@ -26,6 +26,7 @@ fn scene(tracks: Vec<Track>) -> Scene {
 fn heap() -> Scene {
     let mut scene = Preset::Humilis.scene(1);
     scene.clouds[0].growth = None;
+    scene.clouds[0].evaporation = Evaporation::default();
     scene.clouds[0].ellipsoids.truncate(30);
     scene
 }
