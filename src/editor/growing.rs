@@ -16,7 +16,8 @@ pub fn follow(before: &Scene, edited: &mut Scene) -> Option<String> {
         if cloud.growth.is_none() {
             continue;
         }
-        let Some(old) = before.clouds.get(i).filter(|old| old.ellipsoids.len() == cloud.ellipsoids.len()) else {
+        let Some(old) = before.clouds.get(i).filter(|old| old.ellipsoids.len() == cloud.ellipsoids.len())
+        else {
             end_unless_grown(cloud, &mut ended);
             continue;
         };

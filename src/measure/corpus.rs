@@ -8,7 +8,9 @@ use std::fmt;
 
 use glam::{DVec3, dvec3};
 
-use crate::scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Smooth, Sun, SunPosition};
+use crate::scene::{
+    Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Smooth, Sun, SunPosition,
+};
 
 /// Width and height of every picture, pixels.
 pub const SIZE: [u32; 2] = [96, 54];

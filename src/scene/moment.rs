@@ -16,7 +16,7 @@ use glam::DVec3;
 use super::life::{self, smooth};
 use super::timeline::{self, Curve};
 use super::validate::At;
-use super::{Camera, Cloud, Ellipsoid, Scene};
+use super::{Camera, Cloud, Ellipsoid, Evaporation, Scene};
 use crate::Result;
 
 impl Scene {
@@ -112,7 +112,10 @@ impl Scene {
         let mut successors = Vec::new();
         for cloud in &mut self.clouds {
             cloud.fix_noise();
+            // What is carried off is not where it grows.
+            cloud.growth = None;
             cloud.evaporate(self.wind.velocity);
+            cloud.evaporation = Evaporation::default();
             match (&cloud.life.take(), period) {
                 (Some(life), _) => {
                     let (age, span) = (life.age(time, period), life.span(period));
@@ -121,7 +124,9 @@ impl Scene {
                     life::grown(cloud, life.fullness(age, span));
                     cloud.blow(drift);
                 }
-                (None, Some(period)) if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO => {
+                (None, Some(period))
+                    if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO =>
+                {
                     let (gone, round) = (since_start(time), since_start(period));
                     // Two clouds, of which the denser one counts: one fades where the other is whole.
                     let mut coming = part(cloud, 2.0 * time / period, gone - round);

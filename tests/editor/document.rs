@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use nephos::{
     editor::{Document, EllipsoidId, Selection},
-    scene::{Cloud, Edge, Ellipsoid, Heaps, Preset, Scene},
+    scene::{Cloud, Edge, Ellipsoid, Growth, GrowthKind, Heaps, Preset, Scene},
 };
 use proptest::prelude::*;
 
@@ -373,4 +373,59 @@ proptest! {
         }
         prop_assert_eq!(document.scene(), &last);
     }
+}
+
+/// A document of one cloud that grows.
+fn growing() -> Document {
+    let cloud = Cloud::grown("one", Growth { detail: 0.3, ..Growth::new(GrowthKind::Humilis, 1) });
+    Document::new(Scene { clouds: vec![cloud], ..Scene::default() })
+}
+
+#[test]
+fn a_cloud_grows_anew_with_its_numbers() {
+    let mut document = growing();
+    document.edit("Width", |scene| scene.clouds[0].growth.as_mut().unwrap().width = 900.0);
+    assert!(document.scene().clouds[0].is_as_grown() && document.take_news().is_none());
+    let (low, high) = document.scene().bounds().unwrap();
+    assert!((high - low).x > 450.0);
+    document.undo();
+    assert_eq!(*document.scene(), *growing().scene());
+}
+
+#[test]
+fn a_hand_that_changes_an_ellipsoid_ends_the_growth_and_undo_brings_it_back() {
+    let mut document = growing();
+    document.edit("Density", |scene| scene.clouds[0].ellipsoids[2].density = 0.25);
+    assert_eq!(document.scene().clouds[0].growth, None);
+    assert_eq!(document.scene().clouds[0].ellipsoids[2].density, 0.25);
+    let news = document.take_news().unwrap();
+    assert!(news.contains("`one` was changed by hand and grows no more"), "{news}");
+    document.undo();
+    assert!(document.scene().clouds[0].is_as_grown());
+}
+
+#[test]
+fn a_cloud_that_is_carried_copied_or_ordered_goes_on_to_grow() {
+    let mut document = growing();
+    let offset = DVec3::new(120.0, 0.0, -30.0);
+    document.edit("Move", |scene| {
+        scene.clouds[0].ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += offset);
+    });
+    let growth = document.scene().clouds[0].growth.clone().unwrap();
+    assert!(growth.place.distance(DVec3::new(120.0, 1000.0, -30.0)) < 1e-6);
+    document.select(Selection::cloud(document.scene(), 0));
+    document.duplicate(DVec3::X * 700.0);
+    document.move_cloud(1, 0);
+    assert_eq!(document.scene().clouds.len(), 2);
+    assert!(document.scene().clouds.iter().all(Cloud::is_as_grown));
+    assert!(document.take_news().is_none());
+}
+
+#[test]
+fn to_let_a_cloud_grow_takes_the_place_of_its_ellipsoids() {
+    let mut document = Document::new(Preset::Kol.scene(1));
+    document.edit("Grows", |scene| scene.clouds[0].growth = Some(Growth::new(GrowthKind::Humilis, 2)));
+    assert!(document.scene().clouds[0].is_as_grown());
+    document.undo();
+    assert_eq!(*document.scene(), Preset::Kol.scene(1));
 }

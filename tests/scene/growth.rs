@@ -71,7 +71,11 @@ fn no_lump_floats_alone() {
             let touches = |i: usize| (0..lumps.len()).any(|j| j != i && overlap(&lumps[i], &lumps[j]));
             let alone = (0..lumps.len()).filter(|i| !touches(*i)).count();
             // A patch of stratocumulus may be a single flat lump.
-            let few = if matches!(kind, GrowthKind::ClosedCells | GrowthKind::OpenCells) { lumps.len() / 50 } else { 0 };
+            let few = if matches!(kind, GrowthKind::ClosedCells | GrowthKind::OpenCells) {
+                lumps.len() / 50
+            } else {
+                0
+            };
             assert!(alone <= few, "{kind:?} {seed}: {alone} of {}", lumps.len());
         }
     }
@@ -105,7 +109,8 @@ fn leaning_goes_where_the_heading_says() {
         lumps.into_iter().max_by(|a, b| a.center.y.total_cmp(&b.center.y)).unwrap().center
     };
     let straight = top(&upright);
-    for (heading_deg, to) in [(90.0, DVec3::X), (0.0, DVec3::NEG_Z), (270.0, DVec3::NEG_X), (180.0, DVec3::Z)] {
+    for (heading_deg, to) in [(90.0, DVec3::X), (0.0, DVec3::NEG_Z), (270.0, DVec3::NEG_X), (180.0, DVec3::Z)]
+    {
         let turned = Growth { heading_deg, ..upright.clone() };
         let leaning = top(&Growth { lean: 0.6, ..turned.clone() }) - top(&turned);
         assert!(leaning.with_y(0.0).dot(to) > 400.0, "{heading_deg}: {leaning}");
@@ -169,10 +174,8 @@ fn what_grows_is_checked_at_the_door() {
         let error = Scene::from_json(text).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
-    let many = format!(
-        r#"{{"clouds": [{}]}}"#,
-        vec![r#"{"growth": {"kind": "cumulonimbus"}}"#; 80].join(", ")
-    );
+    let many =
+        format!(r#"{{"clouds": [{}]}}"#, vec![r#"{"growth": {"kind": "cumulonimbus"}}"#; 80].join(", "));
     let error = Scene::from_json(&many).unwrap_err().to_string();
     assert!(error.contains(&format!("expected at most {MAX_ELLIPSOIDS}")), "{error}");
 }
@@ -219,8 +222,16 @@ fn extremes_of_all_numbers_grow_something_valid() {
     for kind in GrowthKind::ALL {
         for (width, height) in [(1.0, 1.0), (1e5, 1.0), (1.0, 3e4), (1e5, 3e4)] {
             for (lean, coverage, age, detail) in [(-2.0, 0.05, 0.0, 0.0), (2.0, 1.0, 1.0, 1.0)] {
-                let growth =
-                    Growth { width, height, lean, coverage, age, detail, heading_deg: -77.0, ..Growth::new(kind, 4) };
+                let growth = Growth {
+                    width,
+                    height,
+                    lean,
+                    coverage,
+                    age,
+                    detail,
+                    heading_deg: -77.0,
+                    ..Growth::new(kind, 4)
+                };
                 let scene = scene_of(growth);
                 let count = scene.clouds[0].ellipsoids.len();
                 assert!((1..=2400).contains(&count), "{kind:?} {width} {height}: {count}");
@@ -241,5 +252,19 @@ fn a_sky_of_cumuli_has_sizes_by_a_power_law_on_one_level() {
         assert!(growths.iter().all(|growth| growth.place.y == growths[0].place.y));
         let wider = |than: f64| growths.iter().filter(|growth| growth.width > than).count();
         assert!(wider(400.0) > 2 * wider(1000.0), "{} {}", wider(400.0), wider(1000.0));
+    }
+}
+
+#[test]
+#[ignore = "prints the table of docs/growth.md"]
+fn table() {
+    for kind in GrowthKind::ALL {
+        let counts: Vec<usize> = (0..6).map(|seed| Growth::new(kind, seed).ellipsoids().len()).collect();
+        let since = std::time::Instant::now();
+        let rounds: u32 = 5;
+        (0..rounds).for_each(|seed| drop(Growth::new(kind, seed).ellipsoids()));
+        let ms = 1e3 * since.elapsed().as_secs_f64() / f64::from(rounds);
+        let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+        println!("| {kind:?} | {least} to {most} | {ms:.1} |");
     }
 }

@@ -1,5 +1,6 @@
 //! The panels: one struct, one file each.
 
+mod growth;
 mod object;
 mod outliner;
 mod outliner_row;

@@ -76,7 +76,15 @@ fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
             );
         let size = wide * (0.9 - 0.8 * along);
         let turn = out_from(top, wide, center);
-        pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Ice, key: mixed(key, 900 + i) });
+        pile.put(Lump {
+            center,
+            radii,
+            turn,
+            size,
+            generation: 0,
+            part: Part::Ice,
+            key: mixed(key, 900 + i),
+        });
     }
 }
 

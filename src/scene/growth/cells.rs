@@ -1,9 +1,9 @@
 //! Stratocumulus in cells: patches with narrow gaps, or rings around clear air.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-use super::pile::{Brood, Lump, Part, Pile, mixed};
 use super::Growth;
+use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
 /// How cells are filled.
@@ -56,6 +56,12 @@ pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
             key: mixed(key, 20_000 + i),
         };
         pile.put(lump);
+    }
+    if pile.lumps().is_empty() {
+        // Too small a piece of sky for a cell: one patch.
+        let radii = DVec3::new(0.4 * growth.width, 0.4 * growth.height, 0.4 * growth.width);
+        let (center, turn, size) = (DVec3::Y * radii.y, DQuat::IDENTITY, radii.x);
+        pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Heap, key });
     }
     heads(growth.least(0.02 * spacing), pile);
 }

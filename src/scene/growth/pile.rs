@@ -100,12 +100,15 @@ impl Pile {
         &self.lumps
     }
 
-    /// All lumps but those that touch no other.
+    /// All lumps but those that touch no other; one at least.
     pub fn into_lumps(mut self) -> Vec<Lump> {
-        let touches: Vec<bool> = (0..self.lumps.len()).map(|i| self.touches_another(i)).collect();
-        let mut alone = touches.iter().map(|touches| !touches);
-        let one = self.lumps.len() == 1;
-        self.lumps.retain(|_| one || !alone.next().unwrap_or(false));
+        let mut touches: Vec<bool> = (0..self.lumps.len()).map(|i| self.touches_another(i)).collect();
+        if !touches.contains(&true) {
+            // Something grows always.
+            touches.iter_mut().take(1).for_each(|first| *first = true);
+        }
+        let mut stays = touches.into_iter();
+        self.lumps.retain(|_| stays.next().unwrap_or(false));
         self.lumps
     }
 

@@ -130,7 +130,13 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
         let spread = if i == 0 { 0.4 } else { 0.72 };
         let foot = apart(dice, &plumes, half, base, spread);
         let radius = half * habit.foot * (0.65 + 0.35 * share) * dice.between(0.9, 1.15);
-        plumes.push(Plume { foot, height: sunken * share, radius, waist: habit.waist, key: mixed(key, 100 + i as u64) });
+        plumes.push(Plume {
+            foot,
+            height: sunken * share,
+            radius,
+            waist: habit.waist,
+            key: mixed(key, 100 + i as u64),
+        });
     }
     let cores = plumes.len();
     for i in 0..cores {
@@ -147,7 +153,13 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
         }
         let shelf = sunken * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
         let radius = half * habit.foot * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-        plumes.push(Plume { foot, height: shelf, radius, waist: habit.waist, key: mixed(key, 2000 + i as u64) });
+        plumes.push(Plume {
+            foot,
+            height: shelf,
+            radius,
+            waist: habit.waist,
+            key: mixed(key, 2000 + i as u64),
+        });
     }
     plumes
 }

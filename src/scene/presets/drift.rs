@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::scene::dice::Dice;
 use super::{Scene, camera, weather};
+use crate::scene::dice::Dice;
 use crate::scene::timeline::{Key, Timeline, Track};
 use crate::scene::{Cloud, Growth, GrowthKind, Life};
 

@@ -35,7 +35,7 @@ pub(super) fn clouds(dice: &mut Dice, seed: u32) -> Vec<Cloud> {
             break;
         }
         let growth = one(dice, phase);
-        if places.iter().all(|other| are_apart(other, &growth)) {
+        if !hides(&growth, &places[0]) && places.iter().all(|other| are_apart(other, &growth)) {
             places.push(growth);
         }
     }
@@ -95,6 +95,12 @@ fn streeted(dice: &mut Dice, place: DVec3, phase: f64) -> DVec3 {
 fn are_apart(a: &Growth, b: &Growth) -> bool {
     let reach = 0.46 * (a.width + b.width);
     a.place.distance_squared(b.place) > reach * reach
+}
+
+/// Whether it is seen in front of the one that shall be seen whole.
+fn hides(growth: &Growth, hero: &Growth) -> bool {
+    let bearing = |growth: &Growth| growth.place.x / growth.place.z.min(-1.0);
+    growth.place.z > hero.place.z && (bearing(growth) - bearing(hero)).abs() < 0.4
 }
 
 /// How much of a cloud is told apart: its lumps shall be some hundredths of a degree.

@@ -1,8 +1,8 @@
 //! Heaps that grow on ellipsoids that are there already.
 
-use crate::scene::dice::Dice;
 use super::heap::{Growth, Heap};
 use crate::scene::Ellipsoid;
+use crate::scene::dice::Dice;
 
 /// How heaps grow on ellipsoids: the same on every platform and in every run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

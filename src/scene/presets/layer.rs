@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::scene::dice::Dice;
 use super::heap::{Edges, Heap};
 use crate::scene::Cloud;
+use crate::scene::dice::Dice;
 
 #[cfg(feature = "measure")]
 const FIELD: Edges = Edges { boundary: 85.0, base: 0.4, top: 0.2 };

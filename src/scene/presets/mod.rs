@@ -14,10 +14,12 @@ use std::str::FromStr;
 
 use glam::DVec3;
 
-use super::explain::nearest;
-use super::{Camera, Cloud, Edge, Ellipsoid, Growth, GrowthKind, Noise, Projection, Scene, Sun, SunPosition, Wind};
-use crate::{Error, Result};
 use super::dice::Dice;
+use super::explain::nearest;
+use super::{
+    Camera, Cloud, Edge, Ellipsoid, Growth, GrowthKind, Noise, Projection, Scene, Sun, SunPosition, Wind,
+};
+use crate::{Error, Result};
 pub use grow::Heaps;
 use heap::tenths;
 

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::scene::dice::Dice;
 use super::heap::{Edges, Growth, Heap};
+use crate::scene::dice::Dice;
 use crate::scene::{Cloud, Noise, Scene};
 
 /// A shape of the corpus.
@@ -29,7 +29,11 @@ impl Smooth {
             Self::Fractus => vec![fractus(dice)],
             Self::Stratocumulus => super::layer::rolls(dice),
         };
-        Scene { clouds, noise: Noise { seed, scale: Some(self.billows()), ..Noise::default() }, ..Scene::default() }
+        Scene {
+            clouds,
+            noise: Noise { seed, scale: Some(self.billows()), ..Noise::default() },
+            ..Scene::default()
+        }
     }
 
     /// Size of the largest billows, metres: about one and a half times the boundary.

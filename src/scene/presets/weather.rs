@@ -1,6 +1,6 @@
 //! Clouds that grow, with the water, the edges and the noise of their kind.
 
-use crate::scene::{Cloud, Droplets, Edge, Growth, GrowthKind, Noise};
+use crate::scene::{Cloud, Droplets, Edge, Evaporation, Growth, GrowthKind, Noise};
 
 /// What a kind is made of, beside its shape. All of it stands in the file, to be changed.
 struct Make {
@@ -12,6 +12,9 @@ struct Make {
     blend: f64,
     stratification: f64,
     dilution: f64,
+    /// How much of it is a veil downwind, and under the base.
+    lee: f64,
+    veiled_base: f64,
     /// Size of the largest billows, of the cloud's size.
     billows: f64,
 }
@@ -30,6 +33,7 @@ pub(super) fn cloud(name: &str, growth: Growth) -> Cloud {
         blend: make.blend,
         stratification: make.stratification,
         dilution: make.dilution,
+        evaporation: Evaporation { lee: make.lee, base: make.veiled_base },
         noise: Some(Noise {
             seed: growth.seed,
             scale: Some((make.billows * size).round().max(1.0)),
@@ -49,6 +53,8 @@ fn make(kind: GrowthKind) -> Make {
         blend: 0.15,
         stratification: 0.75,
         dilution: 0.0,
+        lee: 0.15,
+        veiled_base: 0.3,
         billows: 0.1,
     };
     match kind {
@@ -70,6 +76,7 @@ fn make(kind: GrowthKind) -> Make {
             wispiness: 0.35,
             stratification: 0.0,
             dilution: 0.2,
+            lee: 0.6,
             ..heap
         },
         GrowthKind::ClosedCells | GrowthKind::OpenCells => {
