@@ -6,6 +6,7 @@ mod bench;
 mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
+mod exposure;
 mod extremes;
 mod light_turns;
 mod march;
