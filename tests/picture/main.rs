@@ -7,6 +7,7 @@ mod bodies;
 mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
+mod exposure;
 mod extremes;
 mod light_turns;
 mod march;

@@ -86,6 +86,19 @@ fn saving_replaces_the_file_and_leaves_nothing_beside_it() {
 }
 
 #[test]
+fn who_gives_an_exposure_means_it_and_all_others_are_metered() {
+    let is_metered = |text: &str| Scene::from_json(text).unwrap().is_metered();
+    let keyed = r#""timeline": {"tracks": [{"path": "exposure", "keys": [{"time": 0, "value": 1}]}]}"#;
+    assert!(is_metered("{}") && is_metered(r#"{"exposure": 0}"#));
+    assert!(!is_metered(r#"{"exposure": 0.5}"#) && !is_metered(&format!("{{{keyed}}}")));
+    assert!(is_metered(r#"{"exposure": 0.5, "auto_exposure": true}"#));
+    assert!(is_metered(&format!(r#"{{"auto_exposure": true, {keyed}}}"#)));
+    assert!(!is_metered(r#"{"auto_exposure": false}"#));
+    // Files are as they were where nothing is said.
+    assert!(!Scene::default().to_json().contains("auto_exposure"));
+}
+
+#[test]
 fn failing_save_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.json");
