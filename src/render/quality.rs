@@ -54,9 +54,9 @@ impl Quality {
     };
     /// For keeping.
     pub const FINAL: Self = Self {
-        first_step: 0.03,
-        growth: 1.06,
-        longest_step: 0.12,
+        first_step: 0.05,
+        growth: 1.1,
+        longest_step: 0.2,
         opaque: 0.003,
         lit_at_once: 0.03,
         light_nodes: 8,

@@ -12,10 +12,10 @@ use crate::{Result, frame::Frame, gpu::Gpu};
 
 /// Rays of the draft, about.
 const RAYS: f64 = 9216.0;
-/// Where the brighter half of the clouds' light comes to lie: just below a screen's white, which is 1.
-const CLOUDS: f64 = 0.8;
+/// Where the brighter half of the clouds' light comes to lie: on the shoulder of the tone curve, which leaves it its shades.
+const CLOUDS: f64 = 1.05;
 /// Where that of the clear sky lies at most: dusk stays dusk behind dark clouds, and blue stays blue.
-const SKY: f64 = 0.5;
+const SKY: f64 = 0.65;
 /// What covers a smaller share of the picture is not metered.
 const LEAST_COVER: f64 = 1e-3;
 /// Shares of what is sorted by brightness between which it counts.
