@@ -66,9 +66,13 @@ fn ellipsoid_facing(e: Ellipsoid, u: vec3f) -> vec4f {
     return vec4f(weight * dot(u, u) * ellipsoid_normal(e, u), weight);
 }
 
+// Smallest radius, m.
+fn ellipsoid_thinnest(e: Ellipsoid) -> f32 {
+    return 1.0 / max(e.row_x.w, max(e.row_y.w, e.row_z.w));
+}
+
 // Thickness of the boundary that steps go by, m, where the largest features of the noise are
 // 1 / `frequency`. No boundary is thicker than its ellipsoid.
 fn ellipsoid_boundary(e: Ellipsoid, frequency: f32) -> f32 {
-    let thinnest = 1.0 / max(e.row_x.w, max(e.row_y.w, e.row_z.w));
-    return min(e.boundary, thinnest) / max(1.0, e.boundary * frequency);
+    return min(e.boundary, ellipsoid_thinnest(e)) / max(1.0, e.boundary * frequency);
 }

@@ -14,25 +14,35 @@ fn soft(light: vec3f) -> vec3f {
     return saturate(x * (1.0 + x / (15.2 * 15.2)) / (1.0 + x));
 }
 
-// Keeps hue: the brightest channel goes straight up to the shoulder, which rolls off to 1, and the
-// others with it; what is near white fades to it. By channel instead, a low sun would turn yellow,
-// for its red is cut first, and clouds would lie on the shoulder with all that they have of texture.
-const NATURAL_SLOPE: f32 = 0.85;
-const NATURAL_SHOULDER: f32 = 0.55;
+// Keeps hue: brightness, the mean of luminance and the brightest channel, goes straight up to the
+// shoulder, which rolls off to 1, and the channels with it. What of the colour would then be brighter than
+// white fades to a grey of that brightness. By channel instead, a low sun would turn yellow, for its red is
+// cut first, and clouds would lie on the shoulder with all that they have of texture.
+const NATURAL_SHOULDER: f32 = 0.6;
 
-fn natural_level(brightest: f32) -> f32 {
-    let straight = NATURAL_SLOPE * brightest;
+fn natural_level(brightness: f32) -> f32 {
     let left = 1.0 - NATURAL_SHOULDER;
-    let rolled = 1.0 - left * exp(min((NATURAL_SHOULDER - straight) / left, 0.0));
-    return select(straight, rolled, straight > NATURAL_SHOULDER);
+    let rolled = 1.0 - left * exp(min((NATURAL_SHOULDER - brightness) / left, 0.0));
+    return select(brightness, rolled, brightness > NATURAL_SHOULDER);
+}
+
+// Share of a colour that is kept where its brightest channel is `brightest` and grey of its level `level`: about
+// all of it as long as that fits below 1, and so much that it fits beyond.
+fn natural_colour(brightest: f32, level: f32) -> f32 {
+    let filled = min((brightest - level) / max(1.0 - level, 1e-6), 1e4);
+    let square = filled * filled;
+    return inverseSqrt(sqrt(1.0 + square * square));
 }
 
 fn natural(light: vec3f) -> vec3f {
     let x = max(light, vec3f(0.0));
     let brightest = max(x.x, max(x.y, x.z));
-    let level = natural_level(brightest);
-    let near_white = saturate((level - NATURAL_SHOULDER) / (1.0 - NATURAL_SHOULDER));
-    return level * mix(x / max(brightest, 1e-20), vec3f(1.0), near_white * near_white);
+    // Luminance as IEC 61966-2-1 has it.
+    let brightness = 0.5 * (brightest + dot(x, vec3f(0.2126, 0.7152, 0.0722)));
+    let level = natural_level(brightness);
+    let scale = level / max(brightness, 1e-20);
+    let kept = natural_colour(scale * brightest, level);
+    return saturate(kept * scale * x + (1.0 - kept) * level);
 }
 
 const TONE_FILMIC: u32 = 0u;
@@ -45,8 +55,8 @@ fn tone_curve(curve: u32, light: vec3f) -> vec3f {
     switch curve {
         case TONE_SOFT: { return soft(light); }
         case TONE_LINEAR: { return saturate(light); }
-        case TONE_NATURAL: { return natural(light); }
-        default: { return filmic(light); }
+        case TONE_FILMIC: { return filmic(light); }
+        default: { return natural(light); }
     }
 }
 

@@ -144,6 +144,8 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
                 // Lumps of a cloud that has a core agree on the extinction in it.
                 core_exit = max(core_exit, inner.y);
                 core = e.extinction;
+                // What changes with height needs steps that are short beside the lump.
+                boundary = select(boundary, min(boundary, ellipsoid_thinnest(e)), bodies[0].uneven > 0.0);
             } else {
                 // Only boundaries that the ray is in need short steps.
                 boundary = min(boundary, ellipsoid_boundary(e, bodies[0].noise.frequency));

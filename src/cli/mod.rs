@@ -13,6 +13,7 @@ mod schema;
 mod sequence;
 mod tables;
 mod terminal;
+mod tone;
 mod trace;
 
 use std::{

@@ -4,14 +4,14 @@ use std::{path::Path, sync::LazyLock};
 
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
-use super::{open, stopped};
+use super::{open, stopped, tone::ToneOptions};
 use crate::{
     Error, Result,
     export::{self, Notes, Picture},
     gpu::{Gpu, Timing},
     reference::Estimate,
     render::{Film, Frame, Quality, Renderer, Transport},
-    scene::{Scene, Tone, ToneCurve},
+    scene::Scene,
 };
 
 /// What a picture is like.
@@ -42,12 +42,8 @@ pub struct PictureOptions {
     /// may have 8192 rays across.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     supersample: Option<u32>,
-    /// Exposure in stops instead of the scene's (not for EXR, which holds the light itself).
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
-    exposure: Option<f64>,
-    /// Curve from light to the screen instead of the scene's (not for EXR).
-    #[arg(long, value_name = "CURVE", value_enum)]
-    tone: Option<ToneName>,
+    #[command(flatten)]
+    pub(super) tone: ToneOptions,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     pub(super) layers: bool,
@@ -77,37 +73,6 @@ impl QualityName {
             Self::Preview => Quality::PREVIEW,
             Self::Final => Quality::FINAL,
         }
-    }
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum ToneName {
-    /// Like film: more contrast in the middle, highlights roll off.
-    Filmic,
-    /// Less contrast: shades in bright clouds stay apart.
-    Soft,
-    /// None: what is brighter than white is cut.
-    Linear,
-    /// Keeps hue and the texture of bright clouds.
-    Natural,
-}
-
-impl From<ToneName> for ToneCurve {
-    fn from(name: ToneName) -> Self {
-        match name {
-            ToneName::Filmic => Self::Filmic,
-            ToneName::Soft => Self::Soft,
-            ToneName::Linear => Self::Linear,
-            ToneName::Natural => Self::Natural,
-        }
-    }
-}
-
-/// Stops that a scene may have.
-fn stops(text: &str) -> std::result::Result<f64, String> {
-    match text.parse() {
-        Ok(stops) if (-20.0..=20.0).contains(&stops) => Ok(stops),
-        _ => Err("give stops from -20 to 20".to_owned()),
     }
 }
 
@@ -156,6 +121,8 @@ pub(super) struct Job<'a> {
     pub scene: &'a Scene,
     /// The same as the device takes it: [`PictureOptions::frame`].
     pub frame: Frame,
+    /// What auto exposure adds to the scene's exposure, stops: [`PictureOptions::meter`].
+    pub metered: Option<f64>,
     pub output: &'a Path,
     /// Whether a path traced picture goes on with what `output` holds.
     pub resume: bool,
@@ -190,11 +157,8 @@ impl PictureOptions {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        if format == Format::Exr && (self.exposure.is_some() || self.tone.is_some()) {
-            return Err(Error::Argument(
-                "--exposure and --tone are for pictures of screens, and EXR holds the light itself: leave them out"
-                    .to_owned(),
-            ));
+        if format == Format::Exr {
+            self.tone.refuse_for("EXR")?;
         }
         self.check_transport()?;
         self.check_rays()
@@ -325,14 +289,14 @@ impl PictureOptions {
             }
             (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &job.notes),
             (Format::Png, _) => {
-                let bytes = self.finished(painter, picture, job.scene)?;
+                let bytes = self.finished(painter, picture, job)?;
                 let size = [self.width, self.height];
                 export::write_png_noted(job.output, size, &bytes, self.transparent, &job.notes)
             }
         }
     }
 
-    /// The picture of `scene` as screens show it, RGBA of 8 bits.
+    /// The picture of a job as screens show it, RGBA of 8 bits.
     ///
     /// # Errors
     /// Where the device fails.
@@ -340,14 +304,41 @@ impl PictureOptions {
         &self,
         painter: &mut Painter,
         picture: &Picture,
-        scene: &Scene,
+        job: &Job<'_>,
     ) -> Result<Vec<u8>> {
-        let own = scene.posed(scene.time).tone();
-        let tone = Tone {
-            stops: self.exposure.unwrap_or(own.stops),
-            curve: self.tone.map_or(own.curve, ToneCurve::from),
-        };
+        let tone = self.tone.tone(job.scene, job.metered);
         picture.finished(&painter.gpu, &mut painter.renderer, tone)
+    }
+
+    /// Auto exposure of a frame of `scene` in stops, where it has one. The picture finds its light made.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub(super) fn meter(&self, painter: &mut Painter, scene: &Scene, frame: &Frame) -> Result<Option<f64>> {
+        if self.traces_paths() {
+            return self.meter_beside(painter, scene, frame);
+        }
+        let Painter { gpu, renderer } = painter;
+        self.tone.is_metered(scene).then(|| renderer.meter(gpu, frame)).transpose()
+    }
+
+    /// The same where no picture follows that has use for the light: in preview quality at most.
+    ///
+    /// # Errors
+    /// Where the device fails.
+    pub(super) fn meter_beside(
+        &self,
+        painter: &mut Painter,
+        scene: &Scene,
+        frame: &Frame,
+    ) -> Result<Option<f64>> {
+        let own = painter.renderer.settings.quality;
+        let coarser = if own.light_cells > Quality::PREVIEW.light_cells { Quality::PREVIEW } else { own };
+        let Painter { gpu, renderer } = painter;
+        renderer.settings.quality = coarser;
+        let metered = self.tone.is_metered(scene).then(|| renderer.meter(gpu, frame)).transpose();
+        renderer.settings.quality = own;
+        metered
     }
 
     /// Puts in what was left out, so that the same picture is asked for by the same words.
@@ -428,7 +419,8 @@ mod tests {
         let scene = Preset::Sphere.scene(1);
         let frame = options.frame(&scene).unwrap();
         let notes = Notes::default();
-        let job = Job { scene: &scene, frame, output: &output, resume: false, keep: false, notes };
+        let job =
+            Job { scene: &scene, frame, metered: None, output: &output, resume: false, keep: false, notes };
         options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap();
         let whole = std::fs::read(&output).unwrap();
         painter.gpu.device.destroy();

@@ -10,7 +10,8 @@ use serde::Serialize;
 
 use super::{
     picture::{Format, Job, Painter, PictureOptions},
-    terminal,
+    stopped, terminal,
+    tone::told,
 };
 use crate::{
     Error, Result,
@@ -66,6 +67,9 @@ struct Report {
     height: u32,
     adapter: gpu::AdapterSummary,
     seconds: f64,
+    /// What auto exposure adds to the scene's exposure, in stops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    auto_exposure_stops: Option<f64>,
     /// Samples of each pixel and relative noise, of path traced pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     samples: Option<u32>,
@@ -99,9 +103,16 @@ impl Render {
         let started = Instant::now();
         let bar = terminal::progress("rendering");
         let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
+        let unwritten =
+            |error| stopped(error, || format!("nothing was written to `{}`", self.output.display()));
+        let metered = match format {
+            Format::Exr => None,
+            Format::Png => self.picture.meter(&mut painter, &scene, &frame).map_err(unwritten)?,
+        };
         let job = Job {
             scene: &scene,
             frame,
+            metered,
             output: &self.output,
             resume: self.resume,
             keep: true,
@@ -109,7 +120,7 @@ impl Render {
         };
         let traced = self.picture.draw_to_file(&mut painter, &job, &mut progress)?;
         bar.finish_and_clear();
-        self.tell(&painter, traced.as_ref(), started.elapsed().as_secs_f64())
+        self.tell(&painter, metered, traced.as_ref(), started.elapsed().as_secs_f64())
     }
 
     /// Only EXR files hold what path tracing found so far.
@@ -137,7 +148,13 @@ impl Render {
         Ok(())
     }
 
-    fn tell(&self, painter: &Painter, traced: Option<&Estimate>, seconds: f64) -> Result<()> {
+    fn tell(
+        &self,
+        painter: &Painter,
+        metered: Option<f64>,
+        traced: Option<&Estimate>,
+        seconds: f64,
+    ) -> Result<()> {
         let Painter { gpu, renderer } = painter;
         let counts = if self.stats { Some(renderer.counts(gpu)?) } else { None };
         let passes = renderer.timing.as_ref().map_or(Ok(Vec::new()), |timing| timing.collect(gpu))?;
@@ -147,6 +164,7 @@ impl Render {
             height: self.picture.height,
             adapter: gpu.adapter.clone(),
             seconds,
+            auto_exposure_stops: metered,
             samples: traced.map(|estimate| estimate.samples),
             noise: traced.map(Estimate::noise),
             counts,
@@ -166,6 +184,9 @@ impl Report {
             self.seconds,
             self.adapter.name
         );
+        if let Some(metered) = self.auto_exposure_stops {
+            text += &format!("  {}\n", told(metered));
+        }
         if let (Some(samples), Some(noise)) = (self.samples, self.noise) {
             text += &format!("  {samples} samples a pixel, relative noise {:.2} %\n", 100.0 * noise);
         }

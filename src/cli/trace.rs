@@ -72,8 +72,8 @@ impl PictureOptions {
         }
         // Light knows nothing of exposure.
         let scene = job.scene;
-        let own =
-            Scene { exposure: found.scene.exposure, tone_curve: found.scene.tone_curve, ..scene.clone() };
+        let Scene { exposure, auto_exposure, tone_curve, .. } = found.scene;
+        let own = Scene { exposure, auto_exposure, tone_curve, ..scene.clone() };
         if found.scene != own {
             return refuse("is a picture of another scene".to_owned());
         }

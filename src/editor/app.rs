@@ -240,7 +240,7 @@ impl Editor {
         let area = egui::ScrollArea::vertical().auto_shrink(false).id_salt(self.tab as u8);
         area.show(ui, |ui| match self.tab {
             Tab::Object => self.object.ui(ui, &mut self.document),
-            Tab::World => match self.world.ui(ui, &mut self.document) {
+            Tab::World => match self.world.ui(ui, &mut self.document, self.viewport.metered()) {
                 Some(Wish::CameraFromView) => self.perform(ui.ctx(), Action::CameraFromView),
                 Some(Wish::ViewFromCamera) => {
                     self.perform(ui.ctx(), Action::View(ViewCommand::LookThroughSceneCamera));

@@ -17,7 +17,7 @@ use crate::{
     Error, Result, export,
     gpu::Gpu,
     render::{Film, Pieces, Quality, Renderer},
-    scene::Scene,
+    scene::{Scene, Tone},
 };
 
 /// GPU time that a piece should take.
@@ -157,6 +157,7 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
         }
         return Ok(whole);
     }
+    let metered = if !is_exr && scene.is_metered() { renderer.meter(gpu, &frame)? } else { 0.0 };
     let (linear, pieces) = renderer.begin_picture(&mut encoder, &frame, !still.transparent);
     gpu.queue.submit([encoder.finish()]);
     if !draw_pieces(gpu, &renderer, pieces, control, window)? {
@@ -166,7 +167,9 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
     if is_exr {
         export::write_beauty(&still.path, &picture)?;
     } else {
-        let bytes = picture.finished(gpu, &mut renderer, scene.tone())?;
+        let own = scene.tone();
+        let tone = Tone { stops: own.stops + metered, ..own };
+        let bytes = picture.finished(gpu, &mut renderer, tone)?;
         export::write_png(&still.path, still.size, &bytes, still.transparent)?;
     }
     Ok(true)

@@ -92,7 +92,12 @@ impl Document {
 }
 
 fn each(scene: &mut Scene, paths: &[String], change: fn(&mut Timeline, &Scene, Place)) {
+    // A track of the exposure turns nothing on or off.
+    let is_metered = scene.is_metered();
     let Some(mut timeline) = scene.timeline.take() else { return };
+    if paths.iter().any(|path| path == "exposure") {
+        scene.auto_exposure = Some(is_metered);
+    }
     for path in paths {
         if let Ok(place) = Place::find(path, scene) {
             change(&mut timeline, scene, place);

@@ -26,7 +26,7 @@ pub use ktx::write_ktx2;
 pub use motion::{Motion, turning};
 pub use notes::Notes;
 pub use png::{opaque_of, read_rgb, write_grey, write_png, write_png_noted};
-pub use sky_map::{FACES, cube_faces, equirectangular};
+pub use sky_map::{FACES, cube_faces, equirectangular, meter_around};
 pub use sprite::{Course, EDGES, SIDES, Subject};
 pub use studio::{Shot, Studio};
 pub use vdb::write_vdb;

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::{Picture, Studio};
 use crate::{
     Result,
+    render::Frame,
     scene::{Camera, Projection, Scene},
 };
 
@@ -51,6 +52,16 @@ pub fn cube_faces(
 pub fn equirectangular(studio: &mut Studio, scene: &Scene, height: u32) -> Result<Picture> {
     let scene = looking(scene, DVec3::NEG_Z, 0.0, Projection::Equirectangular);
     studio.picture(&scene, [2 * height, height], true)
+}
+
+/// Auto exposure of the whole sphere around the scene's camera, in stops: one for all that is made of it.
+///
+/// # Errors
+/// Where the scene is not valid or the device fails.
+pub fn meter_around(studio: &mut Studio, scene: &Scene) -> Result<f64> {
+    let scene = looking(scene, DVec3::NEG_Z, 0.0, Projection::Equirectangular);
+    let gpu = studio.gpu().clone();
+    studio.renderer().meter(&gpu, &Frame::new(&scene, [2, 1])?)
 }
 
 fn looking(scene: &Scene, direction: DVec3, roll_deg: f64, projection: Projection) -> Scene {

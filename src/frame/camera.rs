@@ -82,6 +82,12 @@ impl CameraUniform {
         }
     }
 
+    /// The same view in pixels of another number.
+    pub(crate) fn resized(self, [width, height]: [u32; 2]) -> Self {
+        let size = [width as f32, height as f32];
+        Self { pixel: self.pixel * self.size[1] / size[1], size, ..self }
+    }
+
     pub(crate) fn jittered(mut self, on: bool) -> Self {
         self.jitter = f32::from(u8::from(on));
         self

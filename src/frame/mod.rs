@@ -92,6 +92,11 @@ impl Frame {
         Ok(Self { camera: CameraUniform::new(camera, self.ground, size), camera_position, ..self.clone() })
     }
 
+    /// The same picture in `size` pixels, which are as wide as high only where it has the same shape.
+    pub(crate) fn resized(&self, size: [u32; 2]) -> Self {
+        Self { camera: self.camera.resized(size), ..self.clone() }
+    }
+
     /// The same moment seen by the camera of a game engine, for a picture of `size` pixels: perspective, with
     /// the middle of the picture where the matrix has it, or orthographic; depth may be finite or not,
     /// reversed or not, which [`SceneDepth`](crate::render::SceneDepth) tells. Behind parallel

@@ -5,7 +5,7 @@ use crate::{
     export::Picture,
     gpu::Gpu,
     render::{Film, Frame, Renderer},
-    scene::Scene,
+    scene::{Scene, Tone, ToneCurve},
 };
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -45,7 +45,8 @@ pub fn sky(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, size: [u32; 2]) ->
     renderer.sky_picture(gpu, &Frame::new(scene, size)?)
 }
 
-/// `clouds` over `sky` as a screen shows them, RGBA of 8 bits.
+/// `clouds` over `sky` as a screen shows them, RGBA of 8 bits: by the scene's own exposure and one curve, so
+/// that errors compare with those of earlier versions, whatever the default is.
 ///
 /// # Errors
 /// Where the device fails.
@@ -58,5 +59,6 @@ pub fn finished(
 ) -> Result<Vec<u8>> {
     let mut composed = clouds.clone();
     composed.put_over(sky);
-    composed.finished(gpu, renderer, scene.tone())
+    let tone = Tone { stops: scene.exposure, curve: ToneCurve::Filmic };
+    composed.finished(gpu, renderer, tone)
 }

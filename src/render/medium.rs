@@ -34,7 +34,7 @@ enum Volume {
     /// Ellipsoids are asked: bricks would be too coarse, or there is no memory left for them.
     Unsuited,
     Planned(Box<Plan>),
-    Baked(DepthVolume),
+    Baked(Box<DepthVolume>),
 }
 
 struct Kept {
@@ -161,7 +161,8 @@ impl Media {
                 self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
             self.baked += 1;
             let shape = (medium.ellipsoids.as_slice(), &medium.body);
-            *volume = Volume::Baked(DepthVolume::bake(device, queue, encoder, program, shape, plan));
+            *volume =
+                Volume::Baked(Box::new(DepthVolume::bake(device, queue, encoder, program, shape, plan)));
         }
         match volume {
             Volume::Baked(volume) => common.bind_depths(device, &layout, volume, medium.densest()),

@@ -25,7 +25,9 @@ pub use march::{
 };
 #[cfg(test)]
 pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};
-pub use picture::{Film, HeatMap, Layers, Picture, Pieces, Renderer, Resolve, SceneDepth, Shown, Target};
+pub use picture::{
+    Film, HeatMap, Layers, Picture, Pieces, Renderer, Resolve, SceneDepth, Shown, Target, metered_alone,
+};
 pub use quality::Quality;
 pub use settings::Settings;
 pub use sky::{Redone, Sky};

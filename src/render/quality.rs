@@ -41,9 +41,9 @@ impl Quality {
     };
     /// For judging light and shape.
     pub const PREVIEW: Self = Self {
-        first_step: 0.08,
-        growth: 1.15,
-        longest_step: 0.3,
+        first_step: 0.14,
+        growth: 1.2,
+        longest_step: 0.4,
         opaque: 0.01,
         lit_at_once: 0.05,
         light_nodes: 3,

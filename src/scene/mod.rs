@@ -94,10 +94,15 @@ pub struct Scene {
     /// south, filled with all clouds as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
-    /// Brightness of the picture in stops, -20 to 20: each stop doubles it.
+    /// Brightness of the picture in stops, -20 to 20: each stop doubles it. With auto exposure it is
+    /// what the picture shall be brighter than metered.
     #[schemars(range(min = EXPOSURE.min, max = EXPOSURE.max), extend("unit" = EXPOSURE.unit))]
     pub exposure: f64,
-    /// How light becomes what a screen shows: "filmic", "soft" or "linear"; "filmic" where left out.
+    /// Whether pictures for screens are exposed by the light of their clouds. Left out, they are where
+    /// `exposure` is 0 and has no track: who gives an exposure of their own means it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub auto_exposure: Option<bool>,
+    /// How light becomes what a screen shows: "natural", "filmic", "soft" or "linear"; "natural" where left out.
     #[serde(skip_serializing_if = "is_default")]
     pub tone_curve: ToneCurve,
     /// How the scene changes over time; left out where nothing but the wind moves.
@@ -123,6 +128,7 @@ impl Default for Scene {
             time: 0.0,
             camera: None,
             exposure: 0.0,
+            auto_exposure: None,
             tone_curve: ToneCurve::default(),
             timeline: None,
         }
@@ -164,7 +170,15 @@ impl Scene {
         }
     }
 
-    /// How its light becomes a picture for screens.
+    /// Whether its pictures are exposed by the light of their clouds: `auto_exposure`, or what is meant
+    /// where that is left out.
+    pub fn is_metered(&self) -> bool {
+        let is_keyed = || self.timeline.as_ref().is_some_and(|timeline| timeline.curve("exposure").is_some());
+        self.auto_exposure.unwrap_or_else(|| self.exposure == 0.0 && !is_keyed())
+    }
+
+    /// How its light becomes a picture for screens, by its own exposure alone:
+    /// [`Renderer::meter`](crate::render::Renderer::meter) tells what auto exposure adds to that.
     pub fn tone(&self) -> Tone {
         Tone { stops: self.exposure, curve: self.tone_curve }
     }

@@ -108,6 +108,8 @@ impl Scene {
         let wind = Drift::of(self);
         let since_start = |time: f64| wind.since_start(time);
         let shear = self.shear();
+        // Clouds that take over in a loop stand behind all others, so that those keep their places.
+        let mut successors = Vec::new();
         for cloud in &mut self.clouds {
             cloud.fix_noise();
             // What is carried off is not where it grows.
@@ -126,11 +128,12 @@ impl Scene {
                     if since_start(period) != DVec3::ZERO || shear.gradient != DVec3::ZERO =>
                 {
                     let (gone, round) = (since_start(time), since_start(period));
+                    // Two clouds, of which the denser one counts: one fades where the other is whole.
                     let mut coming = part(cloud, 2.0 * time / period, gone - round);
-                    let mut leaving = part(cloud, 2.0 * (1.0 - time / period), gone);
-                    shear.lean(&mut coming, time - period);
-                    shear.lean(&mut leaving, time);
-                    cloud.ellipsoids = [leaving, coming].concat();
+                    shear.lean(&mut coming.ellipsoids, time - period);
+                    successors.extend(Some(coming).filter(|coming| !coming.ellipsoids.is_empty()));
+                    *cloud = part(cloud, 2.0 * (1.0 - time / period), gone);
+                    shear.lean(&mut cloud.ellipsoids, time);
                 }
                 (None, _) => {
                     shear.lean(&mut cloud.ellipsoids, time);
@@ -138,6 +141,7 @@ impl Scene {
                 }
             }
         }
+        self.clouds.append(&mut successors);
     }
 }
 
@@ -182,14 +186,14 @@ impl Drift {
     }
 }
 
-/// The ellipsoids of a cloud of which as much is there as a smooth ramp to 1 has come to,
-/// carried by `drift`, m.
-fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Vec<Ellipsoid> {
+/// A cloud of which as much is there as a smooth ramp to 1 has come to, carried by `drift`, m.
+fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Cloud {
     let there = smooth(ramp.clamp(0.0, 1.0));
-    let mut ellipsoids = if there > 0.0 { cloud.ellipsoids.clone() } else { Vec::new() };
-    ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
-    blow(&mut ellipsoids, drift);
-    ellipsoids
+    let mut part = cloud.clone();
+    part.ellipsoids.retain(|_| there > 0.0);
+    part.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
+    part.blow(drift);
+    part
 }
 
 impl Cloud {

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "snake_case")]
 pub enum ToneCurve {
     /// Like film: more contrast in the middle, highlights roll off.
-    #[default]
     Filmic,
     /// Less contrast: shades in bright clouds stay apart.
     Soft,
     /// None: what is brighter than white is cut, for measuring and for other tools.
     Linear,
     /// Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.
+    #[default]
     Natural,
 }
 

@@ -383,7 +383,11 @@ fn the_world_is_lit_and_exposed_by_its_panel() {
     enter(&mut window, "Billow size", "95");
     let scene = window.state().scene();
     assert_eq!((scene.exposure, scene.noise.scale), (-1.5, Some(95.0)));
+    // An exposure of one's own comes on top of what is metered, as long as that is not switched off.
+    assert!(scene.is_metered());
     assert!(scene.to_json().contains("\"haze\": 4.0"));
+    click(&mut window, "Auto exposure");
+    assert!(!window.state().scene().is_metered());
 
     // Every kind of everything has its rows, whose words the schema must have.
     window.state_mut().editor().document_mut().edit("All", |scene| {

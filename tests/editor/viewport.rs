@@ -11,7 +11,7 @@ use nephos::{
     },
     export::Picture,
     render::{Frame, Renderer, Target},
-    scene::{Phase, Scene},
+    scene::{Phase, Scene, Tone},
 };
 
 const TINY: eframe::egui::Vec2 = vec2(160.0, 90.0);
@@ -63,6 +63,29 @@ fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
     window.state_mut().document.edit("Expose", |scene| scene.exposure = 1.0);
     window.step();
     assert_eq!(window.state().viewport.statistics().pictures, edited.pictures);
+}
+
+#[test]
+fn the_picture_is_exposed_when_the_hand_rests_and_holds_still_while_it_moves() {
+    let mut window = open(two_lumps(), TINY);
+    rest(&mut window);
+    let before = window.state().viewport.metered().unwrap();
+    let dim = |scene: &mut Scene| scene.sun.irradiance = scene.sun.irradiance.map(|x| x / 8.0);
+    window.state_mut().document.edit("Dim", dim);
+    let pictures = window.state().viewport.statistics().pictures;
+    rest_until(&mut window, |app| app.viewport.statistics().pictures > pictures);
+    assert_eq!(window.state().viewport.metered(), Some(before), "the hand may go on");
+    rest(&mut window);
+    let after = window.state().viewport.metered().unwrap();
+    // An eighth of the light is three stops, and half floats have 11 bits.
+    assert!((after - before - 3.0).abs() < 0.01, "{before} {after}");
+    // Its switch is followed at once, and back again.
+    window.state_mut().document.edit("Switch", |scene| scene.auto_exposure = Some(false));
+    window.step();
+    assert_eq!(window.state().viewport.metered(), None);
+    window.state_mut().document.edit("Switch", |scene| scene.auto_exposure = Some(true));
+    window.step();
+    rest_until(&mut window, |app| app.viewport.metered() == Some(after));
 }
 
 #[test]
@@ -433,7 +456,9 @@ fn the_final_picture_is_what_the_renderer_gives() {
     let screen = renderer.picture("screen", [96, 54], wgpu::TextureFormat::Rgba8Unorm);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
     let [from, to] = [&picture, &screen].map(|texture| texture.create_view(&Default::default()));
-    renderer.compose(&mut encoder, &from, &to, wgpu::TextureFormat::Rgba8Unorm, scene.tone());
+    let own = scene.tone();
+    let tone = Tone { stops: own.stops + renderer.meter(gpu, &frame).unwrap(), ..own };
+    renderer.compose(&mut encoder, &from, &to, wgpu::TextureFormat::Rgba8Unorm, tone);
     gpu.queue.submit([encoder.finish()]);
     let expected = nephos::gpu::read_texture(gpu, &screen, 0).unwrap();
     // Half floats between the passes, and egui's own rounding: a step of 255 each.

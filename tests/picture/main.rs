@@ -3,9 +3,11 @@
 
 mod atmosphere;
 mod bench;
+mod bodies;
 mod cameras;
 #[path = "../common/mod.rs"]
 mod common;
+mod exposure;
 mod extremes;
 mod light_turns;
 mod march;

@@ -72,7 +72,27 @@ fn a_baked_cloud_looks_like_its_ellipsoids() {
 }
 
 #[test]
-fn lumps_of_other_density_within_others_are_baked_as_the_densest() {
+fn a_baked_heap_that_is_blended_stratified_and_diluted_looks_like_its_ellipsoids() {
+    let mut heap = heap(300, r#"{"boundary": 20, "wispiness": 0.2}"#);
+    let cloud = &mut heap.clouds[0];
+    (cloud.blend, cloud.stratification, cloud.dilution) = (0.9, 1.0, 0.5);
+    cloud.droplets.concentration_per_cm3 = 40.0;
+    let mut drawn = [u32::MAX, 1].map(|from| {
+        let mut renderer = baking(from, Transport::SINGLE);
+        let picture = draw(&mut renderer, &heap, SIZE, false);
+        assert_eq!(renderer.volumes_baked(), u32::from(from == 1));
+        picture
+    });
+    let found = difference(&drawn[0], &drawn[1]);
+    // Opacity alone: the light of its depths is that of the same volume.
+    drawn.iter_mut().flat_map(|picture| &mut picture.pixels).for_each(|p| *p = [p[3]; 4]);
+    let opacity = difference(&drawn[0], &drawn[1]);
+    eprintln!("light {found:.4}, opacity {opacity:.4}");
+    assert!(found > 0.0 && found < 0.04 && opacity < 0.02, "{found} {opacity}");
+}
+
+#[test]
+fn lumps_of_other_density_within_others_are_baked_as_their_mean() {
     let mut heap = heap(200, r#"{"boundary": 20, "wispiness": 0.1}"#);
     let mut veil = Ellipsoid::new(DVec3::new(0.0, 1150.0, 0.0), DVec3::new(700.0, 400.0, 700.0));
     veil.density = 0.02;
@@ -129,10 +149,20 @@ fn a_shape_is_baked_once_and_only_where_it_has_enough_ellipsoids() {
     assert_eq!(baked(&cloud), (1, true), "a camera bakes nothing");
     cloud.noise.offset.x += 30.0;
     assert_eq!(baked(&cloud), (1, true), "noise that drifts bakes nothing");
+    cloud.clouds[0].droplets.concentration_per_cm3 *= 0.3;
+    assert_eq!(baked(&cloud), (1, true), "a cloud that fades bakes nothing");
+    cloud.clouds[0].ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= 0.37);
+    assert_eq!(baked(&cloud), (1, true), "nor one all of whose lumps fade");
+    (cloud.clouds[0].stratification, cloud.clouds[0].dilution) = (0.8, 0.0);
+    assert_eq!(baked(&cloud), (1, true), "its heights are told apart where it is drawn");
     cloud.clouds[0].ellipsoids[7].center.y += 20.0;
     assert_eq!(baked(&cloud), (2, true), "another shape");
+    cloud.clouds[0].blend = 0.9;
+    assert_eq!(baked(&cloud), (3, true), "lumps that join otherwise");
+    cloud.clouds[0].ellipsoids[7].density *= 0.5;
+    assert_eq!(baked(&cloud), (4, true), "one lump that fades alone");
     cloud.clouds[0].ellipsoids.truncate(40);
-    assert_eq!(baked(&cloud).0, 2, "few ellipsoids are asked");
+    assert_eq!(baked(&cloud).0, 4, "few ellipsoids are asked");
 }
 
 #[test]

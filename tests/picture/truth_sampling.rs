@@ -126,6 +126,19 @@ const FREE_PATHS: usize = 64;
 const EXTINCTION: f32 = 0.02;
 const MAJORANTS: [f32; 8] = [1.0, 3.0, 1.5, 2.0, 1.0, 5.0, 1.2, 2.0];
 
+/// A body of which only the power and the reach are told, at the places that the shader has them.
+fn body(source: &str) -> Vec<f32> {
+    let module = gpu::validate(&gpu::link(source, &nephos::frame::MEDIA[..1])).unwrap();
+    let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("Body")).unwrap().1;
+    let wgpu::naga::TypeInner::Struct { members, span } = &found.inner else { panic!("a struct") };
+    let mut body = vec![0.0; *span as usize / 4];
+    for (name, value) in [("power", 2.0), ("reach", 1e4)] {
+        let member = members.iter().find(|member| member.name.as_deref() == Some(name)).unwrap();
+        body[member.offset as usize / 4] = value;
+    }
+    body
+}
+
 /// Counts where paths through cells of 50 m are stopped, by the shader's own tracking.
 fn free_paths() -> Vec<u32> {
     let source = ENTRY_POINTS.iter().find(|(name, _)| *name == "path").unwrap().1;
@@ -167,9 +180,8 @@ fn free_paths() -> Vec<u32> {
     let ellipsoid: Vec<f32> = [0, 1, 2]
         .into_iter()
         .flat_map(|i| -> [f32; 4] { axis(i) })
-        .chain([0.0, 0.0, 0.0, EXTINCTION, 0.0, 1e-3, 0.0, 0.0])
-        // Its species, the first, and padding.
-        .chain([0.0; 4])
+        // Its middle, extinction, boundary, wispiness, core and body, the first.
+        .chain([0.0, 0.0, 0.0, EXTINCTION, 0.0, 0.0, 0.0, 0.0])
         .collect();
     let no_noise = gpu::texture(
         device,
@@ -183,16 +195,15 @@ fn free_paths() -> Vec<u32> {
     )
     .create_view(&Default::default());
     let repeat = gpu::linear_repeat(device);
-    let uniforms = [
-        gpu::uniform_buffer(device, "scene", &scene),
-        gpu::uniform_buffer(device, "noise frame", &[0.0f32; 28]),
-    ];
+    let scene = gpu::uniform_buffer(device, "scene", &scene);
+    // Nothing is uneven or diluted; lumps join by a power of 2 of depths told in 10 km.
+    let bodies = storage_buffer(device, "bodies", &body(&source));
     let ellipsoids = storage_buffer(device, "ellipsoids", &ellipsoid);
     let cells = storage_buffer(device, "cells", &cells);
     let candidates = storage_buffer(device, "candidates", &[0u32]);
     let counts = storage_buffer(device, "counts", &[0u32; FREE_PATHS]);
     let mut bindings = vec![None; 18];
-    for (place, buffer) in [(0, &uniforms[0]), (3, &cells), (4, &candidates), (17, &counts)] {
+    for (place, buffer) in [(0, &scene), (3, &cells), (4, &candidates), (17, &counts)] {
         bindings[place] = Some(buffer.as_entire_binding());
     }
     let group = program.bind(device, &bindings);
@@ -200,9 +211,9 @@ fn free_paths() -> Vec<u32> {
     let texture = wgpu::BindingResource::TextureView(&no_noise);
     let resources = [
         (0, ellipsoids.as_entire_binding()),
-        (2, uniforms[1].as_entire_binding()),
-        (3, texture),
-        (4, wgpu::BindingResource::Sampler(&repeat)),
+        (1, bodies.as_entire_binding()),
+        (2, texture),
+        (3, wgpu::BindingResource::Sampler(&repeat)),
     ];
     let entries = resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource });
     let layout = program.layout(1);

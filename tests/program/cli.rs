@@ -361,3 +361,41 @@ fn tables_that_cannot_be_made_or_compared_are_refused_before_the_work() {
     let text = complaint(&["tables", "check", "--samples", "0"], 1);
     assert!(text.contains("--samples 0"), "{text}");
 }
+
+#[test]
+fn auto_exposure_is_told_and_can_be_given_by_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let usual = "--width 64 --height 36 --quality draft --transport single --json";
+    let stops = |report: &str| {
+        serde_json::from_str::<serde_json::Value>(report).unwrap()["auto_exposure_stops"].as_f64()
+    };
+    let (metered, report) = render_small(&folder, "metered.png", usual);
+    let found = stops(&report).unwrap();
+    let (by_hand, report) =
+        render_small(&folder, "by_hand.png", &format!("{usual} --auto-exposure off --exposure {found}"));
+    assert_eq!(stops(&report), None);
+    assert_eq!(fs::read(&metered).unwrap(), fs::read(&by_hand).unwrap());
+    // An exposure comes on top; the curve is another matter.
+    let (brighter, report) = render_small(&folder, "brighter.png", &format!("{usual} --exposure 1"));
+    assert_eq!(stops(&report), Some(found));
+    assert_ne!(fs::read(&metered).unwrap(), fs::read(&brighter).unwrap());
+    let (_, text) = render_small(&folder, "text.png", &usual.replace(" --json", ""));
+    assert!(text.contains(&format!("auto exposure {found:+.2} stops")), "{text}");
+    // Files that hold the light itself have none.
+    assert_eq!(stops(&render_small(&folder, "light.exr", usual).1), None);
+    let (scene, map) = (in_folder(&folder, "scene.json"), in_folder(&folder, "map"));
+    for (words, thing) in [
+        ("render -o .exr --exposure 1", "EXR"),
+        ("render -o .exr --tone filmic", "EXR"),
+        ("render -o .exr --auto-exposure on", "EXR"),
+        ("export sky -o .hdr --tone filmic", ".hdr"),
+        ("export impostor -o .exr --exposure 1", "EXR"),
+        ("export sixway -o .png --auto-exposure off", "light map"),
+    ] {
+        let words: Vec<String> = words.split(' ').map(|word| word.replace('.', &format!("{map}."))).collect();
+        let mut all: Vec<&str> = words.iter().map(String::as_str).collect();
+        all.push(&scene);
+        let text = complaint(&all, 1);
+        assert!(text.contains(thing) && text.contains("leave it out"), "{text}");
+    }
+}

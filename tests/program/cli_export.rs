@@ -57,15 +57,19 @@ fn each_kind_is_written() {
     desk.told("export volume scene.json -o a.vol --resolution 16 --samples 1 --up z");
     desk.told("export sky scene.json -o sky.hdr --size 8");
     desk.told("export sky scene.json -o sky.exr --layout strip --size 8");
-    desk.told("export sky scene.json -o sky.png --layout cubemap --size 8");
+    let told = desk.told("export sky scene.json -o sky.png --layout cubemap --size 8");
+    assert!(told.contains("auto exposure"), "{told}");
     desk.told("export sky scene.json -o sky.ktx2 --size 8");
     let told = desk.told("export shadow scene.json -o shadow.png --size 8 --center -600,600 --extent 500");
     assert!(told.contains("500.0 m around x -600.0 z 600.0 at y 0.0"), "{told}");
-    desk.told(
+    let told = desk.told(
         "export flipbook scene.json -o book.png --frames 2 --tile 16 --turns -1 --travel 0 --cloud one",
     );
+    assert!(told.contains("auto exposure"), "{told}");
     desk.told("export sixway scene.json -o six.exr --tile 16");
-    desk.told("export impostor scene.json -o card.png --views 2 --tile 16 --from below");
+    desk.told(
+        "export impostor scene.json -o card.png --views 2 --tile 16 --from below --tone soft --exposure -1",
+    );
     desk.told("export camera scene.json -o shot.glb");
     for name in
         "a.vdb a.vol sky.hdr sky.exr sky.px.png sky.nz.png sky.ktx2 shadow.png book.png book_motion.png \

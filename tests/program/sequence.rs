@@ -152,6 +152,30 @@ fn whole_frames_of_the_same_scene_are_kept_and_others_drawn_again() {
 }
 
 #[test]
+fn all_frames_have_one_auto_exposure_whichever_are_drawn_and_it_is_told() {
+    // From day to dusk: metered one by one, frames would differ by stops.
+    let place = Place::of(&moving("sun.position.angles.elevation_deg", [40.0, 1.0]));
+    let stops = |report: &Value| report["auto_exposure_stops"].as_f64();
+    let [all, last] = ["--frames 1,12", "--frames 12"].map(|frames| {
+        let name = frames.split(',').count();
+        let report = place.report(&format!("{name}.##.png"), frames);
+        (stops(&report), place.bytes(&format!("{name}.12.png")))
+    });
+    assert!(all.0.is_some() && all == last, "{:?} {:?}", all.0, last.0);
+    let by_hand = format!("--frames 12 --auto-exposure off --exposure {}", all.0.unwrap());
+    let report = place.report("hand.##.png", &by_hand);
+    // The stamps differ, the pixels don't.
+    assert_eq!((stops(&report), difference(&place, "hand.12.png", "1.12.png")), (None, 0.0));
+    // EXR files are never exposed.
+    assert_eq!(stops(&place.report("light.##.exr", "--frames 12")), None);
+    // What the other frames are like tells how this one is exposed.
+    let mut scene = Scene::load(place.path("scene.json")).unwrap();
+    scene.timeline.as_mut().unwrap().tracks[0].keys[0].value = 80.0;
+    scene.save(place.path("scene.json")).unwrap();
+    assert_eq!(counts(&place.report("1.##.png", "--frames 12")), [1, 1, 0, 0]);
+}
+
+#[test]
 fn what_did_not_change_is_not_done_again() {
     let updates = |report: &Value| report["light_updates"].as_u64().unwrap();
     // Exposure has nothing to do with light.

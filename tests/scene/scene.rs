@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 use nephos::Error;
 use nephos::scene::{
-    Cloud, Droplets, Ellipsoid, MAX_CLOUDS, MAX_ELLIPSOIDS, Phase, Preset, Scene, SunPosition, schema,
+    Cloud, Droplets, Ellipsoid, MAX_CLOUDS, MAX_ELLIPSOIDS, Noise, Phase, Preset, Scene, SunPosition, schema,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -41,6 +41,24 @@ fn default_extinction_is_kols() {
 }
 
 #[test]
+fn billows_that_nobody_sized_are_those_of_a_cloud_of_that_size() {
+    let scene = Scene::from_json(MINIMAL).unwrap();
+    let bounds = scene.clouds[0].bounds().unwrap();
+    // The box is 240 by 140 by 200 m.
+    let size = 0.16 * (240.0 * 140.0 * 200.0_f64).cbrt();
+    assert!((scene.noise.scale_in(bounds) - size).abs() < 1e-9);
+    assert!((scene.largest_billows() - size).abs() < 1e-9);
+    assert_eq!(Noise { scale: Some(33.0), ..Noise::default() }.scale_in(bounds), 33.0);
+    let mut own = scene.clone();
+    own.clouds[0].noise = Some(Noise { scale: Some(400.0), ..Noise::default() });
+    assert_eq!(own.largest_billows(), 400.0);
+    assert_eq!(own.noises_mut().count(), 2);
+    assert_eq!(Scene::default().largest_billows(), 0.0);
+    // What is left out is not written, and stays so.
+    assert!(!scene.to_json().contains("\"scale\""), "{}", scene.to_json());
+}
+
+#[test]
 fn vectors_stand_on_one_line() {
     let scene = Scene { name: "a [\n b".to_owned(), ..Scene::from_json(MINIMAL).unwrap() };
     let text = scene.to_json();
@@ -65,6 +83,19 @@ fn saving_replaces_the_file_and_leaves_nothing_beside_it() {
     scene.save(&path).unwrap();
     assert_eq!(Scene::load(&path).unwrap(), scene);
     assert_eq!(names_in(folder.path()), ["scene.json"]);
+}
+
+#[test]
+fn who_gives_an_exposure_means_it_and_all_others_are_metered() {
+    let is_metered = |text: &str| Scene::from_json(text).unwrap().is_metered();
+    let keyed = r#""timeline": {"tracks": [{"path": "exposure", "keys": [{"time": 0, "value": 1}]}]}"#;
+    assert!(is_metered("{}") && is_metered(r#"{"exposure": 0}"#));
+    assert!(!is_metered(r#"{"exposure": 0.5}"#) && !is_metered(&format!("{{{keyed}}}")));
+    assert!(is_metered(r#"{"exposure": 0.5, "auto_exposure": true}"#));
+    assert!(is_metered(&format!(r#"{{"auto_exposure": true, {keyed}}}"#)));
+    assert!(!is_metered(r#"{"auto_exposure": false}"#));
+    // Files are as they were where nothing is said.
+    assert!(!Scene::default().to_json().contains("auto_exposure"));
 }
 
 #[test]
@@ -164,6 +195,20 @@ const BAD: &[(&str, &str, &str)] = &[
     (r#"{"exposure":21}"#, "exposure", "21 is out of range: expected -20 to 20 stops"),
     (r#"{"time":1e99}"#, "time", "1e99 is out of range"),
     (r#"{"noise":{"seed":-1}}"#, "noise.seed", "expected a whole number from 0 to 4294967295"),
+    (r#"{"noise":{"dimension":3}}"#, "noise.dimension", "3 is out of range: expected 2 to 2.9"),
+    (r#"{"noise":{"scale":0}}"#, "noise.scale", "0 is out of range: expected 0.1 to 100000 metres"),
+    (
+        r#"{"clouds":[{},{"noise":{"detail":2}}]}"#,
+        "clouds[1].noise.detail",
+        "2 is out of range: expected 0 to 1",
+    ),
+    (r#"{"clouds":[{"blend":1.5}]}"#, "clouds[0].blend", "1.5 is out of range: expected 0 to 1"),
+    (
+        r#"{"clouds":[{"stratification":-1}]}"#,
+        "clouds[0].stratification",
+        "-1 is out of range: expected 0 to 1",
+    ),
+    (r#"{"clouds":[{"dilution":2}]}"#, "clouds[0].dilution", "2 is out of range: expected 0 to 1"),
     (r#"{"noise":[7]}"#, "noise", "found a list, expected an object"),
     (r#"{"clouds":{}}"#, "clouds", "found an object, expected a list"),
     (r#"[]"#, "scene", "found a list, expected an object"),
@@ -211,6 +256,7 @@ const BAD_FOR_THE_PROGRAM: &[(&str, &str, &str)] = &[
         "has length 0: expected a unit quaternion",
     ),
     (r#"{"noise":{"rotation":[0,0,0,0]}}"#, "noise.rotation", "has length 0"),
+    (r#"{"clouds":[{"noise":{"rotation":[0,0,0,0]}}]}"#, "clouds[0].noise.rotation", "has length 0"),
     (r#"{"sun":{"position":{"direction":[0,0,0]}}}"#, "sun.position.direction", "has no direction"),
     (
         r#"{"sun":{"position":{"place":{"latitude_deg":0,"longitude_deg":0,"time":"noon"}}}}"#,
@@ -406,11 +452,18 @@ prop_compose! {
         g in -0.99..0.99f64,
         time in -1e7..1e7f64,
         seed: u32,
+        shares in [0.0..=1.0f64, 0.0..=1.0f64, 0.0..=1.0f64],
+        scale in proptest::option::of(0.1..1e5f64),
+        dimension in 2.0..2.9f64,
+        own: bool,
     ) -> Scene {
         let mut scene = Scene { name, time, ..Scene::default() };
         scene.noise.seed = seed;
         scene.sun.position = SunPosition::Angles { azimuth_deg, elevation_deg };
-        let mut cloud = Cloud { ellipsoids, ..Cloud::default() };
+        let [blend, stratification, dilution] = shares;
+        let noise = Noise { seed, scale, dimension, offset: DVec3::splat(time), ..Noise::default() };
+        let noise = own.then_some(noise);
+        let mut cloud = Cloud { ellipsoids, blend, stratification, dilution, noise, ..Cloud::default() };
         cloud.droplets.phase = Phase::HenyeyGreenstein { g };
         scene.clouds.push(cloud);
         scene

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nephos::scene::{
-    Evaporation, Life, Preset, Scene, Timeline,
+    Cloud, Evaporation, Life, Noise, Preset, Scene, Timeline,
     timeline::{Curve, Interpolation, Key, Owner, Place, Track, owner_path},
 };
 
@@ -414,6 +414,35 @@ fn without_a_timeline_a_moment_is_the_scene_carried_by_the_wind() {
     assert_eq!((moment.camera, moment.time), (scene.camera, 0.0));
 }
 
+/// Where in a cloud's own noise each of its lumps is, in billows.
+fn in_noise(cloud: &Cloud) -> Vec<DVec3> {
+    let noise = cloud.noise.as_ref().unwrap();
+    let size = noise.scale_in(cloud.bounds().unwrap());
+    cloud.ellipsoids.iter().map(|e| (e.center - noise.offset) / size).collect()
+}
+
+#[test]
+fn a_clouds_own_noise_goes_with_it_in_wind_and_in_growth() {
+    let mut scene = scene(Vec::new());
+    scene.wind.velocity = DVec3::new(3.0, 0.5, -7.0);
+    let offset = DVec3::new(40.0, 10.0, -20.0);
+    scene.clouds[0].noise = Some(Noise { offset, ..Noise::default() });
+    let still = in_noise(&scene.clouds[0]);
+    let apart = |cloud: &Cloud| {
+        let pairs = in_noise(cloud).into_iter().zip(&still).map(|(a, b)| a.distance(*b));
+        pairs.fold(0.0, f64::max)
+    };
+    let blown = scene.at(60.0).unwrap();
+    assert!(apart(&blown.clouds[0]) < 1e-9);
+    assert!(blown.clouds[0].noise.as_ref().unwrap().offset.distance(offset) > 100.0, "it has moved");
+    assert_eq!(blown.noise, scene.noise, "the scene's stands in the world");
+    scene.clouds[0].life = Some(Life { birth: 2.0, death: 8.0, forming: 2.0, dissolving: 3.0 });
+    for time in [2.4, 3.5, 5.0, 7.2] {
+        let grown = scene.at(time).unwrap();
+        assert!(apart(&grown.clouds[0]) < 1e-9, "{time}: billows grow as it does");
+    }
+}
+
 #[test]
 fn a_life_begins_and_ends_with_nothing_and_is_whole_between() {
     let mut scene = scene(Vec::new());
@@ -481,7 +510,24 @@ fn a_cloud_that_hands_over_to_itself_is_whole_at_every_moment() {
     for i in 0..100 {
         let moment = scene.at(f64::from(i) * 0.1).unwrap();
         let full = scene.clouds[0].ellipsoids[0].density;
-        let densest = moment.clouds[0].ellipsoids.iter().map(|e| e.density).fold(0.0, f64::max);
+        let all = moment.clouds.iter().flat_map(|cloud| &cloud.ellipsoids);
+        let densest = all.map(|e| e.density).fold(0.0, f64::max);
         assert!((densest - full).abs() < 1e-12, "{densest} at {i}");
+        // What fades is a cloud of its own, so that it thins nothing else.
+        let alike = |cloud: &Cloud| cloud.ellipsoids.iter().all(|e| e.density == cloud.ellipsoids[0].density);
+        assert!(moment.clouds.len() <= 2 && moment.clouds.iter().all(alike), "{i}");
+    }
+}
+
+#[test]
+fn both_clouds_of_a_loop_have_their_noise_with_them() {
+    let mut scene = looping();
+    scene.clouds[0].noise = Some(Noise::default());
+    let still = in_noise(&scene.clouds[0]);
+    let moment = scene.at(4.0).unwrap();
+    assert_eq!(moment.clouds.len(), 2);
+    for cloud in &moment.clouds {
+        let worst = in_noise(cloud).into_iter().zip(&still).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(worst < 1e-9, "{worst}");
     }
 }

@@ -225,6 +225,11 @@ pub fn twins() -> Vec<Twin> {
         .declaring(MAKE)
         .edges(edges(true, OFF_CENTER))
         .over("within", within),
+        Twin::new("ellipsoid_thinnest", "ellipsoid", "return vec4f(ellipsoid_thinnest(make(x)));", |x| {
+            one(x[..3].iter().map(|row| row[3].recip()).fold(f64::INFINITY, f64::min))
+        })
+        .declaring(MAKE)
+        .over("within", within),
         Twin::new("ellipsoid_boundary", "ellipsoid", "return vec4f(ellipsoid_boundary(make(x), x[7].x));", |x| {
             // No thicker than its smallest radius, and a part of one of its edges.
             let smallest = x[..3].iter().map(|row| row[3].recip()).fold(f64::INFINITY, f64::min);

@@ -65,10 +65,28 @@ fn soft(x: f64) -> f64 {
     (l * (1.0 + l / (white * white)) / (1.0 + l)).min(1.0)
 }
 
-/// Straight with slope 0.85 up to 0.55, then an exponential that goes on as steep and ends at 1.
+/// Straight up to 0.6, then an exponential that goes on as steep and ends at 1.
 fn natural_level(x: f64) -> f64 {
-    let straight = 0.85 * x;
-    if straight <= 0.55 { straight } else { 1.0 - 0.45 * (-(straight - 0.55) / 0.45).exp() }
+    if x <= 0.6 { x } else { 1.0 - 0.4 * (-(x - 0.6) / 0.4).exp() }
+}
+
+/// Harmonic sum, by fourth powers, of all of a colour and of what fits between grey and white.
+fn natural_colour(brightest: f64, level: f64) -> f64 {
+    let fitting = (1.0 - level).max(1e-6) / (brightest - level);
+    (1.0 + fitting.max(1e-4).powi(-4)).powf(-0.25)
+}
+
+fn natural(light: DVec3) -> DVec3 {
+    let light = light.max(DVec3::ZERO);
+    let luminance = light.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let brightness = 0.5 * (luminance + light.max_element());
+    if brightness == 0.0 {
+        return DVec3::ZERO;
+    }
+    let level = natural_level(brightness);
+    let color = light * (level / brightness);
+    let kept = if color.max_element() > level { natural_colour(color.max_element(), level) } else { 1.0 };
+    DVec3::splat(level).lerp(color, kept).min(DVec3::ONE)
 }
 
 fn srgb(x: f64) -> f64 {
@@ -177,16 +195,25 @@ fn curves() -> Vec<Twin> {
         Twin::new("natural_level", "tonemap", "return vec4f(natural_level(x[0].x));", |x| {
             one(natural_level(x[0][0]))
         })
-        .edges(line(&[0.0, 0.18, 0.64, 0.65, 1.0, 2.0, 8.0, 1e4]))
+        .edges(line(&[0.0, 0.18, 0.59, 0.61, 1.0, 2.0, 8.0, 1e4]))
         .over("all", |random| scalars([random.log(1e-6, 1e6)])),
+        Twin::new("natural_colour", "tonemap", "return vec4f(natural_colour(x[0].x, x[0].y));", |x| {
+            one(natural_colour(x[0][0], x[0][1]))
+        })
+        .edges(plane(&[0.9, 1.0, 1.3], &[0.0, 0.5, 0.875]))
+        .over("all", |random| {
+            let level = random.between(0.0, 0.9);
+            scalars([level * random.between(1.01, 2.0), level])
+        })
+        // A share of the colour.
+        .beside(1.0),
         Twin::new("natural", "tonemap", "return vec4f(natural(x[0].xyz), 0.0);", |x| {
-            let light = xyz(x[0]).max(DVec3::ZERO);
-            let level = natural_level(light.max_element());
-            let white = ((level - 0.55) / 0.45).clamp(0.0, 1.0).powi(2);
-            three(level * (light / light.max_element()).lerp(DVec3::ONE, white))
+            three(natural(xyz(x[0])))
         })
         .edges(lights())
-        .over("all", light),
+        .over("all", light)
+        // Channels that are added to grey: of a screen's white.
+        .beside(1.0),
         Twin::new(
             "tone_curve",
             "tonemap",

@@ -53,13 +53,13 @@ impl Flipbook {
             }
             Ok(())
         })?;
-        stage.write_light(&self.sprite.output, &Picture::in_rows(&tiles, columns as usize))?;
-        let mut told = String::new();
+        let atlas = Picture::in_rows(&tiles, columns as usize);
+        let mut told = stage.write_light(&self.sprite.output, &atlas)?;
         if course.turns != 0 {
             let motion = Motion::new(&shifts, self.sprite.tile as usize);
             let atlas = Picture::in_rows(&motion.frames, columns as usize);
             stage.write_shares(&self.sprite.named("motion"), &atlas)?;
-            told = format!(", strongest motion {:.5} of a tile", motion.strongest);
+            told += &format!(", strongest motion {:.5} of a tile", motion.strongest);
         }
         terminal::print(&format!(
             "{}: {} frames in {columns} columns, a tile is {:.1} m wide{told}\n",

@@ -63,7 +63,7 @@ impl Impostor {
             if alpha > 1e-3 { (distance / (alpha * extent) - 0.5).clamp(0.0, 1.0) } else { 1.0 }
         };
         let depths: Vec<f32> = gather(|shot| shot.distance.clone()).pixels.iter().map(depth).collect();
-        stage.write_light(&self.sprite.output, &color)?;
+        let told = stage.write_light(&self.sprite.output, &color)?;
         stage.write_shares(&self.sprite.named("normal"), &normal)?;
         let path = self.sprite.named("depth");
         match stage.kind {
@@ -71,7 +71,7 @@ impl Impostor {
             _ => write_grey(&path, size(&color), &depths)?,
         }
         terminal::print(&format!(
-            "{}: {} by {} views, a tile is {extent:.1} m wide and depth {extent:.1} m deep\n",
+            "{}: {} by {} views, a tile is {extent:.1} m wide and depth {extent:.1} m deep{told}\n",
             self.sprite.output.display(),
             self.views,
             self.views

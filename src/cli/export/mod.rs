@@ -68,8 +68,12 @@ struct Source {
 impl Source {
     /// The scene as it is at that moment.
     fn scene(&self) -> Result<Scene> {
-        let scene = Scene::load(&self.scene).and_then(|scene| scene.at(self.time.unwrap_or(scene.time)));
-        scene.map_err(|error| error.in_file(&self.scene))
+        let moment = |scene: Scene| {
+            // A moment has no tracks that tell it.
+            let auto_exposure = Some(scene.is_metered());
+            Ok(Scene { auto_exposure, ..scene.at(self.time.unwrap_or(scene.time))? })
+        };
+        Scene::load(&self.scene).and_then(moment).map_err(|error| error.in_file(&self.scene))
     }
 
     fn gpu(&self) -> Result<Gpu> {

@@ -37,6 +37,7 @@ pub struct Sixway {
 
 impl Sixway {
     pub(super) fn run(self) -> Result<()> {
+        self.sprite.tone.refuse_for("a light map")?;
         let columns = self.course.columns(self.frames);
         let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)])?;
         let to_eye = stage.subject.to_camera();

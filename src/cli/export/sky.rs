@@ -4,13 +4,21 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::{super::picture::word, Source, ending, shares};
+use super::{
+    super::{
+        picture::word,
+        terminal,
+        tone::{ToneOptions, told},
+    },
+    Source, ending, shares,
+};
 use crate::{
     Error, Result,
     export::{
-        FACES, Picture, Studio, cube_faces, equirectangular, write_beauty, write_hdr, write_ktx2, write_png,
+        FACES, Picture, Studio, cube_faces, equirectangular, meter_around, write_beauty, write_hdr,
+        write_ktx2, write_png,
     },
-    scene::Scene,
+    scene::{Scene, Tone},
 };
 
 /// Write the sky around the camera's position, clouds, sun and ground, for a game's backdrop or a
@@ -23,6 +31,8 @@ use crate::{
 pub struct Sky {
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    tone: ToneOptions,
     /// Map to write: .exr and .hdr hold linear light, .png is tone-mapped, .ktx2 is a cube map in BC6H
     /// with mip levels that GPUs take as it is.
     #[arg(short, long, value_name = "FILE")]
@@ -50,11 +60,15 @@ impl Sky {
     pub(super) fn run(self) -> Result<()> {
         let kind = ending(&self.output, &["exr", "hdr", "png", "ktx2"])?;
         let layout = self.layout(kind)?;
+        if kind != "png" {
+            self.tone.refuse_for(&format!("a .{kind} file"))?;
+        }
         let scene = self.source.scene()?;
         let mut studio = Studio::new(&self.source.gpu()?, 2, true);
+        let tone = self.exposed(kind, &mut studio, &scene)?;
         if layout == Layout::Equirectangular {
             let map = equirectangular(&mut studio, &scene, self.size.unwrap_or(1024))?;
-            return write(&self.output, kind, &mut studio, &scene, &map);
+            return write(&self.output, kind, &mut studio, tone, &map);
         }
         let size = self.size.unwrap_or(512);
         if kind == "ktx2" && !size.is_multiple_of(4) {
@@ -63,11 +77,21 @@ impl Sky {
         let faces = shares("rendering", |progress| cube_faces(&mut studio, &scene, size, progress))?;
         match layout {
             _ if kind == "ktx2" => write_ktx2(&self.output, &faces),
-            Layout::Strip => write(&self.output, kind, &mut studio, &scene, &Picture::in_rows(&faces, 6)),
+            Layout::Strip => write(&self.output, kind, &mut studio, tone, &Picture::in_rows(&faces, 6)),
             _ => FACES.iter().zip(&faces).try_for_each(|((name, ..), face)| {
-                write(&self.output.with_extension(format!("{name}.{kind}")), kind, &mut studio, &scene, face)
+                write(&self.output.with_extension(format!("{name}.{kind}")), kind, &mut studio, tone, face)
             }),
         }
+    }
+
+    /// How all faces become pictures for screens: one exposure, by the whole sphere. Tells it.
+    fn exposed(&self, kind: &str, studio: &mut Studio, scene: &Scene) -> Result<Tone> {
+        if kind != "png" || !self.tone.is_metered(scene) {
+            return Ok(self.tone.tone(scene, None));
+        }
+        let metered = meter_around(studio, scene)?;
+        terminal::print(&format!("{}: {}\n", self.output.display(), told(metered)))?;
+        Ok(self.tone.tone(scene, Some(metered)))
     }
 
     /// As asked for, where a file of this kind can hold it.
@@ -86,13 +110,13 @@ impl Sky {
     }
 }
 
-fn write(path: &Path, kind: &str, studio: &mut Studio, scene: &Scene, picture: &Picture) -> Result<()> {
+fn write(path: &Path, kind: &str, studio: &mut Studio, tone: Tone, picture: &Picture) -> Result<()> {
     match kind {
         "exr" => write_beauty(path, picture),
         "hdr" => write_hdr(path, picture),
         _ => {
             let gpu = studio.gpu().clone();
-            let bytes = picture.finished(&gpu, studio.renderer(), scene.tone())?;
+            let bytes = picture.finished(&gpu, studio.renderer(), tone)?;
             write_png(path, [picture.width as u32, picture.height as u32], &bytes, false)
         }
     }

@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Source, above_zero, ending};
+use super::{
+    super::tone::{ToneOptions, told},
+    Source, above_zero, ending,
+};
 use crate::{
     Error, Result,
     export::{Course, Picture, Studio, Subject, atlas, write_beauty, write_png},
-    render::Film,
+    render::{Film, metered_alone},
     scene::Scene,
 };
 
@@ -17,6 +20,8 @@ use crate::{
 pub(super) struct Sprite {
     #[command(flatten)]
     source: Source,
+    #[command(flatten)]
+    pub tone: ToneOptions,
     /// File to write, .png or .exr; further maps of it have its name and an underscore.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -56,6 +61,7 @@ fn at_least_zero(text: &str) -> std::result::Result<f64, String> {
 pub(super) struct Stage {
     pub kind: &'static str,
     pub scene: Scene,
+    tone: ToneOptions,
     pub subject: Subject,
     pub studio: Studio,
 }
@@ -64,6 +70,9 @@ impl Sprite {
     /// Opens all that is needed for an atlas of `columns` by `rows` tiles.
     pub fn stage(&self, [columns, rows]: [u32; 2]) -> Result<Stage> {
         let kind = ending(&self.output, &["png", "exr"])?;
+        if kind == "exr" {
+            self.tone.refuse_for("EXR")?;
+        }
         let edge = self.tile * columns.max(rows);
         if edge > Film::WIDEST {
             return Err(Error::Argument(format!(
@@ -75,7 +84,8 @@ impl Sprite {
         }
         let scene = self.source.scene()?;
         let subject = Subject::new(&scene, self.cloud.as_deref())?;
-        Ok(Stage { kind, subject, studio: Studio::new(&self.source.gpu()?, 2, false), scene })
+        let studio = Studio::new(&self.source.gpu()?, 2, false);
+        Ok(Stage { kind, subject, studio, scene, tone: self.tone.clone() })
     }
 
     /// The output's name with `map` behind it.
@@ -99,14 +109,17 @@ impl Frames {
 }
 
 impl Stage {
-    /// Writes light: tone-mapped where the file is a PNG.
-    pub fn write_light(&mut self, path: &Path, picture: &Picture) -> Result<()> {
+    /// Writes light: tone-mapped where the file is a PNG, and exposed by all tiles together. Tells how.
+    pub fn write_light(&mut self, path: &Path, picture: &Picture) -> Result<String> {
         if self.kind == "exr" {
-            return write_beauty(path, picture);
+            return write_beauty(path, picture).map(|()| String::new());
         }
+        let metered = self.tone.is_metered(&self.scene).then(|| metered_alone(picture));
         let gpu = self.studio.gpu().clone();
-        let bytes = picture.finished(&gpu, self.studio.renderer(), self.scene.tone())?;
-        write_png(path, size(picture), &bytes, true)
+        let tone = self.tone.tone(&self.scene, metered);
+        let bytes = picture.finished(&gpu, self.studio.renderer(), tone)?;
+        write_png(path, size(picture), &bytes, true)?;
+        Ok(metered.map_or_else(String::new, |metered| format!(", {}", told(metered))))
     }
 
     /// Writes shares from 0 to 1, as they are in both kinds of files.

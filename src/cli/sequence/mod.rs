@@ -4,6 +4,7 @@
 //! frame that is there, whole and of the same fingerprint is not drawn again, whoever drew it:
 //! that is how a sequence goes on after a crash and how several machines share one.
 
+mod exposure;
 mod frames;
 mod movie;
 mod stamp;
@@ -26,6 +27,7 @@ use self::{
 use super::{
     picture::{Format, Job, Painter, PictureOptions, above_zero},
     stopped, terminal,
+    tone::told,
 };
 use crate::{
     Error, Result,
@@ -76,10 +78,19 @@ struct Report {
     found: usize,
     repeated: usize,
     seconds: f64,
+    /// What auto exposure adds to the scene's exposure in all frames, in stops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    auto_exposure_stops: Option<f64>,
     /// Volumes and tables of light that were made for all frames together.
     light_updates: u32,
     #[serde(skip_serializing_if = "Option::is_none")]
     adapter: Option<gpu::AdapterSummary>,
+}
+
+/// What draws, and how all frames are exposed.
+struct Brush {
+    painter: Painter,
+    metered: Option<f64>,
 }
 
 /// A frame to be drawn.
@@ -136,6 +147,7 @@ impl Sequence {
                 )));
             }
         };
+        let exposed_by = self.exposed_by(scene).map_err(|error| error.in_file(&self.scene))?;
         let own = all.into_iter().enumerate().filter(|(i, _)| self.shard.is_none_or(|shard| shard.has(*i)));
         own.map(|(_, number)| {
             let index = i64::from(number) - 1;
@@ -144,9 +156,28 @@ impl Sequence {
                 None => index as f64 / fps,
             };
             let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
-            Ok(Still { number, time, stamp: Stamp::new(&moment, &self.picture) })
+            Ok(Still { number, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
         })
         .collect()
+    }
+
+    /// What the exposure of all frames follows from: nothing where it is given, or has no meaning.
+    fn exposed_by(&self, scene: &Scene) -> Result<String> {
+        let is_metered = self.for_screens() && self.picture.tone.is_metered(scene);
+        if is_metered { exposure::basis(scene) } else { Ok(String::new()) }
+    }
+
+    fn for_screens(&self) -> bool {
+        Container::of(&self.output).is_some() || matches!(Format::of(&self.output), Ok(Format::Png))
+    }
+
+    fn brush(&self, scene: &Scene) -> Result<Brush> {
+        let mut painter = self.picture.painter()?;
+        let metered = match self.for_screens() {
+            true => exposure::meter(&self.picture, &mut painter, scene)?,
+            false => None,
+        };
+        Ok(Brush { painter, metered })
     }
 
     fn pictures(&self, scene: &Scene, stills: &[Still]) -> Result<Report> {
@@ -162,7 +193,8 @@ impl Sequence {
         if missing.is_empty() {
             return Ok(report);
         }
-        let mut painter = self.picture.painter()?;
+        let mut brush =
+            self.brush(scene).map_err(|error| stopped(error, || kept(report.found, stills.len())))?;
         let mut last: Option<(&Stamp, PathBuf)> = None;
         let bar = terminal::progress("frames");
         for (i, still) in missing.iter().enumerate() {
@@ -179,7 +211,7 @@ impl Sequence {
                 }
                 _ => {
                     let whole = stills.len() - missing.len() + i;
-                    self.draw_to(&mut painter, scene, still, &file, &mut progress)
+                    self.draw_to(&mut brush, scene, still, &file, &mut progress)
                         .map_err(|error| stopped(error, || kept(whole, stills.len())))?;
                     report.drawn += 1;
                 }
@@ -187,13 +219,13 @@ impl Sequence {
             last = Some((&still.stamp, file));
         }
         bar.finish_and_clear();
-        report.tell_of(&painter);
+        report.tell_of(&brush);
         Ok(report)
     }
 
     fn draw_to(
         &self,
-        painter: &mut Painter,
+        Brush { painter, metered }: &mut Brush,
         scene: &Scene,
         still: &Still,
         file: &Path,
@@ -202,7 +234,8 @@ impl Sequence {
         let scene = Scene { time: still.time, ..scene.clone() };
         // What a path traced frame is on the way is no frame: it would pass for one.
         let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes());
-        let job = Job { scene: &scene, frame, output: file, resume: false, keep: false, notes };
+        let (metered, output) = (*metered, file);
+        let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
     }
 
@@ -227,7 +260,7 @@ impl Sequence {
         let unfinished =
             |error| stopped(error, || format!("there is no movie `{}` yet", self.output.display()));
         // Who finds all frames needs no adapter.
-        let mut painter = None;
+        let mut brush = None;
         let bar = terminal::progress("frames");
         for (i, still) in stills.iter().enumerate() {
             let mut progress = |share: f64| {
@@ -246,11 +279,11 @@ impl Sequence {
                     }
                     None => {
                         report.drawn += 1;
-                        let painter = match &mut painter {
-                            Some(painter) => painter,
-                            none => none.insert(self.picture.painter()?),
+                        let brush = match &mut brush {
+                            Some(brush) => brush,
+                            none => none.insert(self.brush(scene).map_err(unfinished)?),
                         };
-                        self.bytes(painter, scene, still, &mut progress).map_err(unfinished)?
+                        self.bytes(brush, scene, still, &mut progress).map_err(unfinished)?
                     }
                 },
             };
@@ -260,23 +293,24 @@ impl Sequence {
         }
         movie.finish().map_err(unfinished)?;
         bar.finish_and_clear();
-        painter.iter().for_each(|painter| report.tell_of(painter));
+        brush.iter().for_each(|brush| report.tell_of(brush));
         Ok(report)
     }
 
     /// A frame as screens show it, RGB of 8 bits.
     fn bytes(
         &self,
-        painter: &mut Painter,
+        Brush { painter, metered }: &mut Brush,
         scene: &Scene,
         still: &Still,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Vec<u8>> {
         let scene = Scene { time: still.time, ..scene.clone() };
         let (frame, notes) = (self.picture.frame(&scene)?, Notes::default());
-        let job = Job { scene: &scene, frame, output: &self.output, resume: false, keep: false, notes };
+        let (metered, output) = (*metered, &*self.output);
+        let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
         let drawn = self.picture.draw(painter, &job, progress)?;
-        Ok(export::opaque_of(&self.picture.finished(painter, &drawn.picture, &scene)?))
+        Ok(export::opaque_of(&self.picture.finished(painter, &drawn.picture, &job)?))
     }
 
     fn told(&self, report: &Report) -> String {
@@ -295,12 +329,16 @@ impl Sequence {
         if let Some(adapter) = &report.adapter {
             text += &format!(" on {}", adapter.name);
         }
+        if let Some(metered) = report.auto_exposure_stops {
+            text += &format!(", {}", told(metered));
+        }
         text + "\n"
     }
 }
 
 impl Report {
-    fn tell_of(&mut self, painter: &Painter) {
+    fn tell_of(&mut self, Brush { painter, metered }: &Brush) {
+        self.auto_exposure_stops = *metered;
         self.light_updates = painter.renderer.light_updates();
         self.adapter = Some(painter.gpu.adapter.clone());
     }

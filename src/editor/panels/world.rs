@@ -26,12 +26,12 @@ pub struct WorldPanel {
 }
 
 impl WorldPanel {
-    /// Shows all of it.
-    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) -> Option<Wish> {
+    /// Shows all of it; `metered` is what auto exposure adds in the view, stops.
+    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document, metered: Option<f64>) -> Option<Wish> {
         let mut wish = None;
         section(ui, "Sun", true, |ui| self.sun.ui(ui, document));
         section(ui, "Sky", true, |ui| sky(ui, document));
-        section(ui, "Picture", true, |ui| picture(ui, document));
+        section(ui, "Picture", true, |ui| picture(ui, document, metered));
         section(ui, "Camera", false, |ui| wish = camera(ui, document));
         section(ui, "Noise", true, |ui| noise(ui, document));
         section(ui, "Ground", false, |ui| ground(ui, document));
@@ -62,26 +62,33 @@ fn sky(ui: &mut Ui, document: &mut Document) {
     apply(document, change, |scene| scene.sky = sky);
 }
 
-fn picture(ui: &mut Ui, document: &mut Document) {
+fn picture(ui: &mut Ui, document: &mut Document, metered: Option<f64>) {
     let scene = document.scene();
     let (mut exposure, mut curve, mut name) = (scene.exposure, scene.tone_curve, scene.name.clone());
+    let mut auto_exposure = scene.is_metered();
     let curves = [
-        ("Filmic", "Like film: more contrast in the middle, highlights roll off.", ToneCurve::Filmic),
-        ("Soft", "Less contrast: shades in bright clouds stay apart.", ToneCurve::Soft),
-        ("Linear", "None: what is brighter than white is cut.", ToneCurve::Linear),
         (
             "Natural",
             "Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.",
             ToneCurve::Natural,
         ),
+        ("Filmic", "Like film: more contrast in the middle, highlights roll off.", ToneCurve::Filmic),
+        ("Soft", "Less contrast: shades in bright clouds stay apart.", ToneCurve::Soft),
+        ("Linear", "None: what is brighter than white is cut.", ToneCurve::Linear),
     ];
     let mut form = Form::new(ui).keyed(document, "");
     form.text("Scene.name", "Name", &mut name, "no name");
+    form.check("Scene.auto_exposure", "Auto exposure", &mut auto_exposure, true);
     form.slider("Scene.exposure", "Exposure", &mut exposure, 0.0, -6.0..=6.0);
     form.choice("Scene.tone_curve", "Tone curve", &mut curve, &curves);
     let change = form.changed();
+    if let Some(metered) = metered {
+        hint(ui, &format!("Metered: {metered:+.2} stops, and the exposure on top of that."));
+    }
     apply(document, change, |scene| {
         (scene.exposure, scene.tone_curve, scene.name) = (exposure, curve, name);
+        // An exposure of one's own turns nothing off here: the switch is in sight.
+        scene.auto_exposure = Some(auto_exposure);
     });
 }
 

@@ -55,6 +55,8 @@ pub struct Canvas {
     /// The moment of a scene that was seen last: a camera that moves makes none of its clouds anew.
     moment: Option<(Arc<Scene>, Frame)>,
     tone: Tone,
+    /// What auto exposure adds, stops, where the scene has one: found anew when the hand rests.
+    metered: Option<f64>,
     stage: Stage,
     rest_at: Instant,
     moving: Pace,
@@ -86,6 +88,7 @@ impl Canvas {
             subject: None,
             moment: None,
             tone: Tone::default(),
+            metered: None,
             stage: Stage::Moving,
             rest_at: Instant::now(),
             moving: pace,
@@ -111,6 +114,16 @@ impl Canvas {
     /// The linear picture that is shown, and how far it has come.
     pub fn picture(&self) -> Option<(&wgpu::Texture, Stage)> {
         Some((self.linear.as_ref()?, self.stage))
+    }
+
+    /// What auto exposure adds to the scene's exposure, stops.
+    pub fn metered(&self) -> Option<f64> {
+        self.metered
+    }
+
+    /// How light becomes the picture, with auto exposure.
+    pub fn tone(&self) -> Tone {
+        Tone { stops: self.tone.stops + self.metered.unwrap_or(0.0), ..self.tone }
     }
 
     /// What is seen.
@@ -158,6 +171,7 @@ impl Canvas {
 
     fn step(&mut self, subject: Subject, tone: Tone, budget: Duration) -> Result<Option<Duration>> {
         let exposed = std::mem::replace(&mut self.tone, tone) != tone;
+        let switched = self.switch(&subject);
         let before = self.subject.as_ref();
         let edited = before.is_none_or(|before| !before.same_scene(&subject));
         if edited || before.is_none_or(|before| !before.same_view(&subject)) {
@@ -165,7 +179,7 @@ impl Canvas {
             return Ok(Some(REST));
         }
         self.subject = Some(subject);
-        if exposed {
+        if exposed || switched {
             self.compose_again();
         }
         if self.stage == Stage::Final {
@@ -177,6 +191,31 @@ impl Canvas {
         }
         self.refine(budget)?;
         Ok(Some(Duration::ZERO))
+    }
+
+    /// Follows the scene's switch of auto exposure; tells whether it was turned.
+    fn switch(&mut self, subject: &Subject) -> bool {
+        let on = subject.scene.is_metered();
+        if self.subject.as_ref().is_none_or(|before| before.scene.is_metered() == on) {
+            return false;
+        }
+        if on {
+            self.again();
+        }
+        self.metered = None;
+        true
+    }
+
+    /// Meters what is seen, with the light that there is; a picture under way would be lost.
+    fn meter(&mut self, frame: &Frame) -> Result<()> {
+        if self.subject.as_ref().is_none_or(|subject| !subject.scene.is_metered()) {
+            return Ok(());
+        }
+        let metered = Some(self.renderer.meter(&self.gpu, frame)?);
+        if std::mem::replace(&mut self.metered, metered) != metered {
+            self.compose_again();
+        }
+        Ok(())
     }
 
     /// Something moved: a whole picture at once, as fine as there is time for.
@@ -192,6 +231,9 @@ impl Canvas {
         self.error = None;
         let started = Instant::now();
         let frame = self.frame(Stage::Moving, size)?;
+        if self.metered.is_none() {
+            self.meter(&frame)?;
+        }
         let mut work = self.begin(&frame, Stage::Moving, 1)?;
         self.lit(work.began, budget.mul_f64(LIGHT_SHARE));
         self.draw(&mut work, u32::MAX)?;
@@ -256,6 +298,7 @@ impl Canvas {
             self.lighting_spent += spent;
             return Ok(None);
         }
+        self.meter(&frame)?;
         let before = std::mem::take(&mut self.lighting_spent);
         let mut work = self.begin(&frame, stage, rays)?;
         work.began += before + spent;
@@ -325,7 +368,8 @@ impl Canvas {
         if matches!(shown, Shown::Beauty | Shown::Light) {
             let linear = self.renderer.picture("viewport", size, LINEAR);
             self.resolve.draw(&self.gpu.device, &mut encoder, source, &view(&linear), LINEAR);
-            self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, self.tone);
+            let tone = self.tone();
+            self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, tone);
             self.linear = Some(linear);
         } else {
             self.resolve.draw(&self.gpu.device, &mut encoder, source, &screen, SCREEN);
@@ -342,8 +386,8 @@ impl Canvas {
         let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
             return;
         };
-        let mut encoder = self.encoder();
-        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, self.tone);
+        let (mut encoder, tone) = (self.encoder(), self.tone());
+        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, tone);
         self.gpu.queue.submit([encoder.finish()]);
     }
 

@@ -190,6 +190,11 @@ impl Viewport {
         &self.canvas.statistics
     }
 
+    /// What auto exposure adds to the scene's exposure, stops, where it has one.
+    pub fn metered(&self) -> Option<f64> {
+        self.canvas.metered()
+    }
+
     /// How far the preview is from the truth, where that is shown.
     pub fn comparison(&self) -> Option<Comparison> {
         let (samples, numbers) = self.truth.as_ref()?.numbers()?;
@@ -293,7 +298,7 @@ impl Viewport {
         if let Some(image) = self.canvas.image() {
             painter.image(image, self.rect, compare::WHOLE, Color32::WHITE);
         }
-        self.draw_truth(ui, painter, document.scene().tone(), budget);
+        self.draw_truth(ui, painter, self.canvas.tone(), budget);
     }
 
     /// A view through the scene's camera stays there when curves move the camera.

@@ -38,6 +38,7 @@ impl Subject {
         let seen = |scene: &Scene| Scene {
             camera: None,
             exposure: 0.0,
+            auto_exposure: None,
             tone_curve: ToneCurve::default(),
             name: String::new(),
             ..scene.at(scene.time).unwrap_or_else(|_| scene.clone())

@@ -373,7 +373,7 @@ mod tests {
     fn the_volume_is_baked_once_with_all_its_levels() {
         let (one, again) = (levels(), levels());
         assert!(Arc::ptr_eq(&one, &again));
-        let sizes: Vec<_> = one.iter().map(|level| level.len()).collect();
+        let sizes: Vec<_> = one.iter().map(Vec::len).collect();
         let wanted: Vec<_> = (0..=SIZE.ilog2()).map(|mip| (SIZE as usize >> mip).pow(3)).collect();
         assert_eq!(sizes, wanted);
     }

@@ -16,7 +16,7 @@ pub struct ComposeUniform {
 
 /// Factor at 0 stops: the sunlit side of a thick cloud, about 0.25 of the sun's
 /// irradiance per steradian, comes out just below white.
-const BASE: f64 = 6.0;
+pub(super) const BASE: f64 = 6.0;
 
 impl ComposeUniform {
     /// For a tone.

@@ -2,6 +2,7 @@
 
 mod compose;
 mod film;
+mod meter;
 mod pieces;
 mod pixels;
 mod resolve;
@@ -26,6 +27,7 @@ use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
 pub use film::Film;
+pub use meter::metered_alone;
 pub use pieces::Pieces;
 pub use pixels::Picture;
 pub use resolve::{HeatMap, Resolve, Shown};

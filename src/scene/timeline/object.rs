@@ -226,6 +226,7 @@ fn world(scene: &Scene) -> Scene {
         time: scene.time,
         camera: scene.camera.clone(),
         exposure: scene.exposure,
+        auto_exposure: scene.auto_exposure,
         tone_curve: scene.tone_curve,
     }
 }
