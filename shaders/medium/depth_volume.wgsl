@@ -6,7 +6,8 @@
 @group(1) @binding(1) var<storage, read> bodies: array<Body>;
 @group(1) @binding(2) var noise_volume: texture_3d<f32>;
 @group(1) @binding(3) var repeat: sampler;
-@group(1) @binding(4) var depth_index: texture_3d<u32>;
+// By brick, x fastest. No texture: models of light need all that a shader may have.
+@group(1) @binding(4) var<storage, read> depth_index: array<u32>;
 @group(1) @binding(5) var depth_atlas: texture_3d<f32>;
 @group(1) @binding(6) var depth_sampler: sampler;
 
@@ -19,7 +20,9 @@ fn depth_place(p: vec3f) -> DepthPlace {
     let brick = floor(place);
     let outside = any(brick < vec3f(0.0)) || any(brick >= vec3f(volume_frame.size));
     let held = vec3u(clamp(brick, vec3f(0.0), vec3f(volume_frame.size) - 1.0));
-    return DepthPlace(place, brick, select(textureLoad(depth_index, held, 0).x, 0u, outside));
+    let size = volume_frame.size;
+    let entry = depth_index[(held.z * size.y + held.y) * size.x + held.x];
+    return DepthPlace(place, brick, select(entry, 0u, outside));
 }
 
 // Depth, share of the densest extinction, boundary and wispiness.

@@ -162,7 +162,7 @@ impl Media {
             self.baked += 1;
             let shape = (medium.ellipsoids.as_slice(), &medium.body);
             *volume =
-                Volume::Baked(Box::new(DepthVolume::bake(device, queue, encoder, program, shape, plan)));
+                Volume::Baked(Box::new(DepthVolume::bake(device, encoder, program, shape, plan)));
         }
         match volume {
             Volume::Baked(volume) => common.bind_depths(device, &layout, volume, medium.densest()),

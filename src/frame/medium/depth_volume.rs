@@ -79,7 +79,7 @@ pub(crate) struct Plan {
 pub(crate) struct DepthVolume {
     /// But for the extinction of what is homogeneous, which is that of one medium of the shape.
     pub uniform: DepthVolumeUniform,
-    pub index: wgpu::TextureView,
+    pub index: wgpu::Buffer,
     pub atlas: wgpu::TextureView,
 }
 
@@ -87,7 +87,6 @@ impl DepthVolume {
     /// Records the baking of `ellipsoids` by their plan.
     pub fn bake(
         device: &wgpu::Device,
-        queue: &wgpu::Queue,
         encoder: &mut wgpu::CommandEncoder,
         program: &ComputeProgram,
         (ellipsoids, body): (&[EllipsoidUniform], &BodyUniform),
@@ -126,7 +125,7 @@ impl DepthVolume {
         let groups = (plan.stored.len() as u32 * CORNERS.pow(3)).div_ceil(64);
         let rows = groups.div_ceil(MOST_GROUPS).max(1);
         program.dispatch(encoder, &[&group], [groups.div_ceil(rows), rows, 1], None);
-        Self { uniform, index: gpu::view(&index_texture(device, queue, plan)), atlas }
+        Self { uniform, index: gpu::storage_buffer(device, "depth index", &plan.index), atlas }
     }
 
     /// Memory of its textures, bytes.
@@ -135,7 +134,7 @@ impl DepthVolume {
             let size = view.texture().size();
             u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers)
         };
-        8 * texels(&self.atlas) + 4 * texels(&self.index)
+        8 * texels(&self.atlas) + self.index.size()
     }
 }
 
@@ -158,20 +157,6 @@ fn usual_boundary(ellipsoids: &[EllipsoidUniform]) -> f32 {
 fn slots(count: usize) -> UVec3 {
     let edge = (count.max(1) as f64).cbrt().ceil() as u32;
     UVec3::new(edge, edge, (count.max(1) as u32).div_ceil(edge * edge))
-}
-
-fn index_texture(device: &wgpu::Device, queue: &wgpu::Queue, plan: &Plan) -> wgpu::Texture {
-    let usage = wgpu::TextureUsages::empty();
-    let format = wgpu::TextureFormat::R32Uint;
-    let size = plan.size.to_array();
-    let texture = gpu::texture(device, &TextureDesc { label: "depth index", size, mips: 1, format, usage });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(4 * size[0]),
-        rows_per_image: Some(size[1]),
-    };
-    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&plan.index), layout, texture.size());
-    texture
 }
 
 impl Plan {

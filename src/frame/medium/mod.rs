@@ -204,7 +204,7 @@ impl Common {
         let uniform = gpu::uniform_buffer(device, "depth volume", &uniform);
         let sampler = gpu::linear_clamp_flat(device);
         let rest = [
-            wgpu::BindingResource::TextureView(&volume.index),
+            volume.index.as_entire_binding(),
             wgpu::BindingResource::TextureView(&volume.atlas),
             wgpu::BindingResource::Sampler(&sampler),
         ];

@@ -13,9 +13,9 @@ use crate::{Result, frame::Frame, gpu::Gpu};
 /// Rays of the draft, about.
 const RAYS: f64 = 9216.0;
 /// Where the brighter half of the clouds' light comes to lie: on the shoulder of the tone curve, which leaves it its shades.
-const CLOUDS: f64 = 1.05;
+const CLOUDS: f64 = 0.92;
 /// Where that of the clear sky lies at most: dusk stays dusk behind dark clouds, and blue stays blue.
-const SKY: f64 = 0.65;
+const SKY: f64 = 0.6;
 /// What covers a smaller share of the picture is not metered.
 const LEAST_COVER: f64 = 1e-3;
 /// Shares of what is sorted by brightness between which it counts.

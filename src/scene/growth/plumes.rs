@@ -43,7 +43,7 @@ pub(super) const HUMILIS: Habit = Habit {
     plumes: 24,
     shelf: 0.36,
     ceiling: 1.0,
-    broods: [brood(11, -0.2, 0.02), brood(8, -0.2, 0.02), brood(5, -0.1, 0.024)],
+    broods: [brood(11, -0.2, 0.05), brood(8, -0.2, 0.05), brood(5, -0.1, 0.055)],
 };
 
 pub(super) const MEDIOCRIS: Habit = Habit {
@@ -56,7 +56,7 @@ pub(super) const MEDIOCRIS: Habit = Habit {
     plumes: 18,
     shelf: 0.2,
     ceiling: 1.0,
-    broods: [brood(13, -0.35, 0.02), brood(9, -0.35, 0.02), brood(5, -0.3, 0.026)],
+    broods: [brood(13, -0.35, 0.04), brood(9, -0.35, 0.04), brood(5, -0.3, 0.045)],
 };
 
 pub(super) const CONGESTUS: Habit = Habit {
@@ -69,7 +69,7 @@ pub(super) const CONGESTUS: Habit = Habit {
     plumes: 18,
     shelf: 0.14,
     ceiling: 1.0,
-    broods: [brood(14, -0.4, 0.02), brood(9, -0.4, 0.02), brood(4, -0.35, 0.03)],
+    broods: [brood(14, -0.4, 0.035), brood(9, -0.4, 0.035), brood(4, -0.35, 0.04)],
 };
 
 pub(super) const CUMULONIMBUS: Habit = Habit {

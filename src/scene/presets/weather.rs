@@ -48,19 +48,19 @@ fn make(kind: GrowthKind) -> Make {
     let heap = Make {
         concentration_per_cm3: 300.0,
         effective_radius_um: 11.0,
-        boundary: 0.05,
+        boundary: 0.045,
         wispiness: 0.0,
         blend: 0.15,
         stratification: 0.75,
         dilution: 0.0,
         lee: 0.15,
         veiled_base: 0.3,
-        billows: 0.1,
+        billows: 0.12,
     };
     match kind {
-        GrowthKind::Humilis => Make { concentration_per_cm3: 350.0, boundary: 0.07, wispiness: 0.05, ..heap },
+        GrowthKind::Humilis => Make { concentration_per_cm3: 350.0, boundary: 0.06, wispiness: 0.05, ..heap },
         GrowthKind::Mediocris => heap,
-        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.04, ..heap },
+        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.037, ..heap },
         GrowthKind::Cumulonimbus => Make {
             concentration_per_cm3: 100.0,
             effective_radius_um: 12.0,
