@@ -209,7 +209,8 @@ fn few_points_of_a_ray_tell_its_diffuse_light() {
     };
     let many = at(8);
     let errors = [2, 3, 4, 6].map(|nodes| difference(&many, &at(nodes)));
-    assert!(errors[0] < 0.05 && errors[2] < 0.03, "{errors:?}");
+    // Rays of a detailed cloud meet lit and shaded billows: they want more points than those of a smooth one.
+    assert!(errors[0] < 0.08 && errors[2] < 0.055 && errors[3] < 0.04, "{errors:?}");
 }
 
 /// Light of a picture of each of a sweep of scenes, and the largest jump of a pixel's light
@@ -334,8 +335,9 @@ fn every_slab_model_draws_light_that_is_finite_and_near_the_others() {
     ] {
         let picture = draw(&mut renderer(Quality::PREVIEW, transport), &scene, SIZE, false);
         assert!(picture.pixels.iter().flatten().all(|x| x.is_finite() && *x >= 0.0), "{transport}");
-        // Slabs lose no light by their sides: up to twice the truth.
+        // Slabs lose no light by their sides, of which a heap of turrets has many: they have more than twice
+        // the light of the one that does.
         let ratio = mean_light(&picture) / ours;
-        assert!((0.6..2.2).contains(&ratio), "{transport}: {ratio}");
+        assert!((0.6..2.7).contains(&ratio), "{transport}: {ratio}");
     }
 }

@@ -43,7 +43,7 @@ pub(super) const HUMILIS: Habit = Habit {
     plumes: 24,
     shelf: 0.36,
     ceiling: 1.0,
-    broods: [brood(11, -0.2, 0.05), brood(8, -0.2, 0.05), brood(5, -0.1, 0.055)],
+    broods: [brood(11, -0.2, 0.04), brood(8, -0.2, 0.04), brood(5, -0.1, 0.045)],
 };
 
 pub(super) const MEDIOCRIS: Habit = Habit {
