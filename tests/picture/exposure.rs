@@ -44,8 +44,8 @@ fn the_same_moment_is_exposed_the_same_whatever_was_drawn_before_and_in_all_size
     draw(&mut used, &Preset::Congestus.scene(3), SIZE, true);
     assert_eq!(meter(&mut used, &scene, SIZE), first);
     assert_eq!(meter(&mut used, &scene, SIZE), first, "a second time");
-    // One shape has one draft.
-    assert_eq!(meter(&mut used, &scene, [1920, 1080]), first);
+    // One shape has one draft, but for the rounding of a pixel's width.
+    assert!((meter(&mut used, &scene, [1920, 1080]) - first).abs() < 1e-5);
     // Another shape shows more of the sky.
     let square = meter(&mut used, &scene, [200, 200]);
     assert!((square - first).abs() < 0.3, "{square} {first}");

