@@ -161,8 +161,7 @@ impl Media {
                 self.bake.get_or_insert_with(|| ComputeProgram::new(&self.device, "depth_bake", &[]));
             self.baked += 1;
             let shape = (medium.ellipsoids.as_slice(), &medium.body);
-            *volume =
-                Volume::Baked(Box::new(DepthVolume::bake(device, encoder, program, shape, plan)));
+            *volume = Volume::Baked(Box::new(DepthVolume::bake(device, encoder, program, shape, plan)));
         }
         match volume {
             Volume::Baked(volume) => common.bind_depths(device, &layout, volume, medium.densest()),

@@ -58,7 +58,9 @@ fn make(kind: GrowthKind) -> Make {
         billows: 0.12,
     };
     match kind {
-        GrowthKind::Humilis => Make { concentration_per_cm3: 350.0, boundary: 0.053, wispiness: 0.05, ..heap },
+        GrowthKind::Humilis => {
+            Make { concentration_per_cm3: 350.0, boundary: 0.053, wispiness: 0.05, ..heap }
+        }
         GrowthKind::Mediocris => heap,
         GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.037, ..heap },
         GrowthKind::Cumulonimbus => Make {
