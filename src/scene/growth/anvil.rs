@@ -9,12 +9,17 @@ use super::heading::along;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
-const SHEETS: u64 = 110;
-const FIBRES: u64 = 320;
-const POUCHES: u64 = 150;
+const SHEETS: u64 = 190;
+const FIBRES: u64 = 300;
+const POUCHES: u64 = 190;
 
-/// Height of the anvil's underside, of the storm's.
-const DECK: f64 = 0.84;
+/// Height of the anvil's flat top, of the storm's.
+const CEILING: f64 = 0.92;
+
+/// How far the anvil reaches downwind, upwind and across, of the storm's width.
+const DOWNWIND: f64 = 1.75;
+const UPWIND: f64 = 0.5;
+const ACROSS: f64 = 0.8;
 
 /// Grows the anvil on the tower.
 pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
@@ -24,8 +29,8 @@ pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
     let first = pile.lumps().len();
     sheets(growth, top, key, pile);
     let sheets = first..pile.lumps().len();
-    fibres(growth, sheets.clone(), mixed(key, 2), pile);
-    pouches(growth, sheets, mixed(key, 3), pile);
+    fibres(growth, top, mixed(key, 2), pile);
+    pouches(growth, top, sheets, mixed(key, 3), pile);
 }
 
 /// Middle of the highest lump.
@@ -36,16 +41,18 @@ fn summit(pile: &Pile) -> DVec3 {
 
 /// The dome of the strongest updraught, above the anvil.
 fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
-    let size = 0.13 * growth.width;
+    let size = 0.1 * growth.width;
     let first = pile.lumps().len();
-    for (i, lift) in [(0, -0.9), (1, 0.0), (2, 0.35)] {
-        let center = DVec3::new(top.x + 0.2 * lift * size, growth.height - (1.1 - lift) * size, top.z);
-        let radii = size * DVec3::new(1.25 - 0.4 * lift, 0.95 - 0.4 * lift.abs(), 1.2 - 0.4 * lift);
+    for (i, aside, lift) in [(0, -0.2, -0.8), (1, -0.75, -0.35), (2, 0.7, -0.3), (3, 0.0, 0.15)] {
+        let dice = &mut Dice::new(mixed(key, 40 + i));
+        let aside = DVec3::new(aside, 0.0, 0.0) + 0.35 * dice.disc();
+        let center = (top + size * aside).with_y(growth.height - (1.05 - lift) * size);
+        let radii = size * DVec3::new(1.1 - 0.3 * lift, 0.9 - 0.3 * lift.abs(), 1.1 - 0.3 * lift);
         let key = mixed(key, 50 + i);
         pile.put(Lump { center, radii, turn: DQuat::IDENTITY, size, generation: 0, part: Part::Heap, key });
     }
     let least = growth.least(0.0);
-    let brood = Brood { tries: 20, ratio: (0.25, 0.45), seat: 0.82, lowest: -0.1, least };
+    let brood = Brood { tries: 14, ratio: (0.28, 0.5), seat: 0.88, lowest: -0.1, least };
     let parents = first..pile.lumps().len();
     let next = parents.end;
     pile.grow(parents, &brood);
@@ -53,83 +60,116 @@ fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     pile.grow(parents, &Brood { tries: 6, ..brood });
 }
 
-/// Flat sheets one over the other: a funnel out of the tower, then widening downwind and thinning.
+/// How far the anvil reaches from the tower in the horizontal direction of the unit vector `way`, of the storm's
+/// width: an oval whose one focus is the tower.
+fn reach(way: DVec3) -> f64 {
+    let far = if way.x > 0.0 { DOWNWIND } else { UPWIND };
+    let across = way.z / ACROSS;
+    let ahead = way.x / far;
+    1.0 / (across * across + ahead * ahead).sqrt()
+}
+
+/// Half the thickness of the anvil at a share of its reach, of the storm's width.
+fn half_thickness(out: f64) -> f64 {
+    let inner = (1.0 - out).max(0.0);
+    0.009 + 0.05 * inner * inner
+}
+
+/// A place in the anvil: its share of the reach, a horizontal direction, and the place at its flat top.
+fn place(growth: &Growth, top: DVec3, disc: DVec3, out: f64) -> (DVec3, DVec3) {
+    // The disc drawn out to the oval.
+    let stretch = if disc.x > 0.0 { DOWNWIND } else { UPWIND };
+    let flat = DVec3::new(disc.x * stretch, 0.0, disc.z * ACROSS).normalize_or(DVec3::X);
+    let at = top + out * reach(flat) * growth.width * flat;
+    (flat, at.with_y(growth.height * CEILING))
+}
+
+/// The turn of what the wind above draws out of the tower: it spreads like a fan.
+fn out_from(top: DVec3, wide: f64, at: DVec3) -> DQuat {
+    let source = top - DVec3::X * 0.75 * wide;
+    along((at - source).with_y(0.0))
+}
+
+/// Flat sheets side by side under one level, thick at the tower, thin and narrow at the rim.
 fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     let wide = growth.width;
     for i in 0..SHEETS {
         let dice = &mut Dice::new(mixed(key, 100 + i));
-        let along = i as f64 / (SHEETS - 1) as f64;
-        let jitter = dice.disc();
-        // Near the tower it is thick and reaches farther down: what spreads there has just risen.
-        let near = (1.0 - 2.0 * along).max(0.0);
-        let center = DVec3::new(
-            top.x - 0.45 * wide + 2.2 * wide * along + 0.12 * wide * jitter.x,
-            growth.height * (DECK + 0.05 * along) + wide * (0.02 * dice.unit() - 0.05 * near * dice.unit()),
-            top.z + wide * (0.3 + 0.3 * along) * jitter.z,
-        );
-        let thin = 0.008 + 0.06 * (1.0 - along) * (1.0 - along);
+        let disc = dice.disc();
+        let out = (disc.length() * dice.between(0.85, 1.0)).min(0.97);
+        let (_, at) = place(growth, top, disc, out);
         let radii = wide
             * DVec3::new(
-                dice.between(0.2, 0.36),
-                thin * dice.between(0.6, 1.1),
-                dice.between(0.12, 0.24) * (1.0 - 0.3 * along) * (1.0 + 0.6 * near),
+                dice.between(0.13, 0.25) * (1.0 - 0.1 * out),
+                half_thickness(out) * dice.between(0.75, 1.15),
+                dice.between(0.09, 0.18) * (1.0 - 0.55 * out),
             );
-        let size = wide * (0.9 - 0.8 * along);
+        // Tops near one level, a little higher outwards.
+        let center = at + DVec3::Y * (wide * (0.008 * dice.between(-1.0, 1.0) + 0.012 * out) - radii.y);
+        let size = wide * (1.0 - out);
         let turn = out_from(top, wide, center);
-        pile.put(Lump {
-            center,
-            radii,
-            turn,
-            size,
-            generation: 0,
-            part: Part::Ice,
-            key: mixed(key, 900 + i),
-        });
+        let key = mixed(key, 900 + i);
+        pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Ice, key });
+    }
+    // The neck, where the tower widens into it.
+    for i in 0..9 {
+        let dice = &mut Dice::new(mixed(key, 700 + i));
+        let down = (i as f64 + 0.5) / 9.0;
+        let radii = wide * DVec3::new(0.34 - 0.12 * down, 0.045, 0.3 - 0.1 * down) * dice.between(0.85, 1.1);
+        let center = (top + wide * (0.06 * (1.0 - down) * DVec3::X + 0.07 * dice.disc()))
+            .with_y(growth.height * CEILING - wide * (0.05 + 0.13 * down));
+        let key = mixed(key, 800 + i);
+        let (turn, size) = (DQuat::IDENTITY, wide);
+        pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Ice, key });
     }
 }
 
-/// The turn of what the wind above draws out of the tower: it spreads like a fan.
-fn out_from(top: DVec3, wide: f64, center: DVec3) -> DQuat {
-    let source = top - DVec3::X * 1.6 * wide;
-    along((center - source).with_y(0.0))
-}
-
-/// Long thin threads that reach beyond the sheets.
-fn fibres(growth: &Growth, sheets: Range<usize>, key: u64, pile: &mut Pile) {
+/// Long thin threads that reach beyond the sheets, all around.
+fn fibres(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
+    let wide = growth.width;
     for i in 0..FIBRES {
         let dice = &mut Dice::new(mixed(key, i));
-        // More of them downwind.
-        let far = 1.0 - dice.unit() * dice.unit();
-        let Some(sheet) = sheet(pile, &sheets, far) else { continue };
-        let seat = DVec3::new(dice.between(0.1, 0.95), dice.between(-0.6, 0.7), dice.between(-0.95, 0.95));
-        let inside = seat / seat.length().max(1.0);
-        let center = sheet.center + sheet.turn * (inside * sheet.radii * 0.95);
-        let long = growth.width * dice.between(0.06, 0.26);
-        let radii =
-            DVec3::new(long, growth.width * dice.between(0.0025, 0.007), long * dice.between(0.03, 0.08));
-        let (turn, size, key) = (sheet.turn, 0.35 * sheet.size, mixed(key, i));
+        let disc = dice.disc();
+        // More of them at the rim.
+        let low = dice.unit();
+        let out = 1.04 - 0.45 * low * low;
+        let (_, at) = place(growth, top, disc, out);
+        let long = wide * dice.between(0.08, 0.24);
+        let radii = DVec3::new(long, wide * dice.between(0.004, 0.009), long * dice.between(0.05, 0.14));
+        let center = at + DVec3::Y * wide * (0.012 - half_thickness(out) * dice.between(0.6, 2.2));
+        let turn = out_from(top, wide, center);
+        let (size, key) = (0.35 * wide * (1.2 - out), mixed(key, i));
         pile.put(Lump { center, radii, turn, size, generation: 1, part: Part::Ice, key });
     }
 }
 
 /// Mammatus: pouches that sink out of the sheets, in patches downwind of the tower.
-fn pouches(growth: &Growth, sheets: Range<usize>, key: u64, pile: &mut Pile) {
+fn pouches(growth: &Growth, top: DVec3, sheets: Range<usize>, key: u64, pile: &mut Pile) {
+    let wide = growth.width;
+    let sheets = pile.lumps()[sheets].to_vec();
+    let mut taken: Vec<(DVec3, f64)> = Vec::new();
     for i in 0..POUCHES {
         let dice = &mut Dice::new(mixed(key, i));
-        let Some(sheet) = sheet(pile, &sheets, dice.between(0.12, 0.6)) else { continue };
-        let flat = 0.75 * dice.disc();
-        let under = -(1.0 - flat.length_squared()).max(0.0).sqrt();
-        let seat = DVec3::new(flat.x, under, flat.z);
-        let size = growth.width * dice.between(0.012, 0.024);
-        let center = sheet.center + sheet.turn * (seat * sheet.radii) - DVec3::Y * 0.25 * size;
-        let radii = size * DVec3::new(1.1, dice.between(0.8, 1.1), 1.1);
+        let size = wide * dice.between(0.016, 0.032);
+        let at =
+            top + wide * DVec3::new(dice.between(0.2, 1.15), 0.0, 0.5 * ACROSS * dice.between(-1.0, 1.0));
+        let crowded = |(other, width): &(DVec3, f64)| other.distance(at) < 0.8 * (size + width);
+        let Some(under) = underside(&sheets, at).filter(|_| !taken.iter().any(crowded)) else { continue };
+        taken.push((at, size));
+        let radii = size * DVec3::new(1.0, dice.between(0.85, 1.15), 1.0);
+        let center = at.with_y(under - 0.3 * radii.y);
         let (turn, key) = (DQuat::IDENTITY, mixed(key, i));
         pile.put(Lump { center, radii, turn, size, generation: 2, part: Part::Pouch, key });
     }
 }
 
-/// The sheet that is `far` along from the tower, 0 to 1.
-fn sheet(pile: &Pile, sheets: &Range<usize>, far: f64) -> Option<Lump> {
-    let index = sheets.start + (far * sheets.len() as f64) as usize;
-    pile.lumps()[..sheets.end].get(index).cloned()
+/// Height of the lowest point of `sheets` over or under the place `at`, metres.
+fn underside(sheets: &[Lump], at: DVec3) -> Option<f64> {
+    let under = |sheet: &Lump| {
+        let p = sheet.turn.inverse() * (at - sheet.center).with_y(0.0) / sheet.radii;
+        let inside = 1.0 - p.x * p.x - p.z * p.z;
+        // Rims are too thin to carry them.
+        (inside > 0.15).then(|| sheet.center.y - sheet.radii.y * inside.sqrt())
+    };
+    sheets.iter().filter_map(under).reduce(f64::min)
 }

@@ -10,6 +10,7 @@ mod heading;
 mod pile;
 mod plumes;
 mod shreds;
+mod storm;
 mod surface;
 
 use std::borrow::Cow;
@@ -207,7 +208,7 @@ impl Growth {
             GrowthKind::Mediocris => plumes::grow(self, &plumes::MEDIOCRIS, &mut pile),
             GrowthKind::Congestus => plumes::grow(self, &plumes::CONGESTUS, &mut pile),
             GrowthKind::Cumulonimbus => {
-                plumes::grow(self, &plumes::CUMULONIMBUS, &mut pile);
+                plumes::grow_storm(self, &mut pile);
                 anvil::spread(self, &mut pile);
             }
             GrowthKind::Fractus => shreds::tear(self, &mut pile),

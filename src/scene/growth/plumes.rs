@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::Growth;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
+use super::{Growth, storm};
 use crate::scene::dice::Dice;
 
 /// What is usual for a kind. Lengths are shares of half the width, heights of the height.
@@ -24,8 +24,6 @@ pub(super) struct Habit {
     plumes: usize,
     /// Height of the air between turrets.
     shelf: f64,
-    /// Highest point of plumes: what is above is left to a dome.
-    ceiling: f64,
     broods: [Brood; 3],
 }
 
@@ -55,7 +53,6 @@ pub(super) const MEDIOCRIS: Habit = Habit {
     waist: 0.34,
     plumes: 18,
     shelf: 0.2,
-    ceiling: 1.0,
     broods: [brood(13, -0.35, 0.04), brood(9, -0.35, 0.04), brood(5, -0.3, 0.045)],
 };
 
@@ -68,45 +65,43 @@ pub(super) const CONGESTUS: Habit = Habit {
     waist: 0.34,
     plumes: 18,
     shelf: 0.14,
-    ceiling: 1.0,
     broods: [brood(14, -0.4, 0.035), brood(9, -0.4, 0.035), brood(4, -0.35, 0.04)],
 };
 
-pub(super) const CUMULONIMBUS: Habit = Habit {
-    depth: 0.85,
-    cores: (3, 5),
-    lesser: (0.62, 0.2),
-    foot: 0.52,
-    flanks: (4, 6),
-    waist: 0.3,
-    plumes: 18,
-    shelf: 0.08,
-    ceiling: 0.88,
-    broods: [brood(15, -0.45, 0.02), brood(8, -0.45, 0.03), brood(2, -0.3, 0.04)],
-};
+/// Generations of lumps on the turrets of a storm.
+const STORM: [Brood; 3] = [brood(15, -0.45, 0.025), brood(8, -0.45, 0.03), brood(2, -0.3, 0.04)];
 
 /// A column of rising air.
-struct Plume {
+pub(super) struct Plume {
     /// Its foot on the base, metres.
-    foot: DVec3,
+    pub foot: DVec3,
     /// Height of its head, metres.
-    height: f64,
+    pub height: f64,
     /// Radius at the foot, metres.
-    radius: f64,
+    pub radius: f64,
     /// How much narrower it is at its head.
-    waist: f64,
-    key: u64,
+    pub waist: f64,
+    pub key: u64,
 }
 
 /// Grows a cumulus.
 pub(super) fn grow(growth: &Growth, habit: &Habit, pile: &mut Pile) {
-    let plumes = plan(growth, habit);
-    for plume in &plumes {
+    heap(growth, &plan(growth, habit), &habit.broods, pile);
+}
+
+/// Grows the tower of a thunderstorm.
+pub(super) fn grow_storm(growth: &Growth, pile: &mut Pile) {
+    heap(growth, &storm::plan(growth), &STORM, pile);
+}
+
+/// Raises plumes, and grows generations of lumps upon them.
+fn heap(growth: &Growth, plumes: &[Plume], broods: &[Brood], pile: &mut Pile) {
+    for plume in plumes {
         raise(growth, plume, pile);
     }
     let half = 0.5 * growth.width;
     let mut parents = 0..pile.lumps().len();
-    for brood in &habit.broods {
+    for brood in broods {
         let brood = Brood { least: growth.least(brood.least * half), ..*brood };
         let next = pile.lumps().len();
         pile.grow(parents, &brood);
@@ -120,7 +115,7 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
     let dice = &mut Dice::new(key);
     let half = 0.5 * growth.width;
     let base = DVec3::new(1.0, 1.0, habit.depth);
-    let sunken = growth.height * habit.ceiling * (1.0 - 0.3 * growth.age);
+    let sunken = growth.height * (1.0 - 0.3 * growth.age);
     let count = dice.count(habit.cores.0, habit.cores.1);
     let mut plumes: Vec<Plume> = Vec::new();
     for i in 0..count {
@@ -202,6 +197,8 @@ fn apart(dice: &mut Dice, plumes: &[Plume], half: f64, base: DVec3, spread: f64)
 /// The chain of lumps of a plume: wide at the foot, narrower above, with a head; it wanders, and leans with the shear.
 fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
     let dice = &mut Dice::new(plume.key);
+    let slender = (growth.height / growth.width - 1.0).clamp(0.0, 1.0);
+    let bends = Bends::of(plume, slender);
     let mut radius = plume.radius.min(0.62 * plume.height).max(0.2 * plume.radius);
     let mut at = plume.foot + DVec3::Y * 0.45 * radius;
     let mut step = 0;
@@ -218,11 +215,44 @@ fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
         }
         let rise = radius * dice.between(0.5, 0.8);
         let share = at.y / growth.height;
+        let along = (at.y / plume.height).min(1.0);
         at += DVec3::new(growth.lean * rise * (0.5 + share), rise, 0.0) + 0.32 * radius * dice.disc();
-        let waist = 1.0 - plume.waist * (at.y / plume.height).min(1.0);
+        at += rise * bends.slope(along);
+        let waist = (1.0 - (1.0 - 0.7 * slender) * plume.waist * along) * bends.bulge(along);
         let flare = 1.0 + growth.age * 0.5 * (at.y / plume.height).min(1.0);
         radius = plume.radius.min(0.62 * plume.height) * waist * flare * dice.between(0.85, 1.15);
         step += 1;
+    }
+}
+
+/// How a slender column departs from a straight cone.
+struct Bends {
+    /// Horizontal way from its foot up, metres by metre; it turns back above.
+    way: DVec3,
+    /// Share of the height where it turns.
+    turn: f64,
+    /// Places, shares of the height, and strengths of its bulges and waists.
+    bulges: [(f64, f64); 3],
+}
+
+impl Bends {
+    fn of(plume: &Plume, slender: f64) -> Self {
+        let dice = &mut Dice::new(mixed(plume.key, 9000));
+        let way = 0.45 * slender * dice.disc();
+        let turn = dice.between(0.35, 0.65);
+        let bulges = [(0.2, 0.3), (0.55, -0.3), (0.82, 0.45)];
+        let bulge =
+            |(at, by): (f64, f64)| (at + dice.between(-0.12, 0.12), by * slender * dice.between(0.6, 1.4));
+        Self { way, turn, bulges: bulges.map(bulge) }
+    }
+
+    fn slope(&self, along: f64) -> DVec3 {
+        self.way * (1.0 - along / self.turn)
+    }
+
+    fn bulge(&self, along: f64) -> f64 {
+        let near = |at: f64| (1.0 - ((along - at) / 0.22) * ((along - at) / 0.22)).max(0.0);
+        1.0 + self.bulges.iter().map(|(at, by)| by * near(*at)).sum::<f64>()
     }
 }
 

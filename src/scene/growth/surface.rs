@@ -7,17 +7,23 @@ use crate::scene::Edge;
 /// The thickest boundary that an edge may have, metres.
 const THICKEST: f64 = 1e4;
 
-/// Density and edge of a lump; heaps and shreds have the edge of their cloud, and all of one cloud the same
+/// Density and edge of a lump; heaps have the edge of their cloud, and heaps and shreds of one cloud the same
 /// density.
 pub(super) fn of(growth: &Growth, lump: &Lump) -> (f64, Option<Edge>) {
     let thinned = 1.0 - 0.6 * growth.age * growth.age;
     let least = lump.radii.min_element();
     let own =
         |boundary: f64, wispiness: f64| Some(Edge { boundary: tenth(boundary.min(THICKEST)), wispiness });
+    let chance = (lump.key >> 40) as f64 / (1u64 << 24) as f64;
     let (density, edge) = match lump.part {
-        Part::Heap | Part::Shred => (thinned, None),
-        Part::Ice => (0.06 + 0.22 * (lump.size / growth.width), own(0.9 * least, 0.9)),
-        Part::Pouch => (0.2, own(0.6 * least, 0.5)),
+        Part::Heap => (thinned, None),
+        Part::Shred => (thinned, own(1.3 * least, hundredth(0.5 + 0.3 * chance))),
+        // Thick ice near the tower keeps its billows, thin ice is all threads.
+        Part::Ice => {
+            let near = (lump.size / growth.width).clamp(0.0, 1.0);
+            (0.05 + 0.2 * near * near, own(1.2 * least, hundredth(0.9 - 0.35 * near)))
+        }
+        Part::Pouch => (0.22, own(0.5 * least, 0.3)),
     };
     (hundredth(density), edge)
 }

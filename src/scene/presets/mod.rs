@@ -223,9 +223,9 @@ fn portrait((min, max): super::Bounds, ground: f64) -> Camera {
 fn tower(seed: u32) -> Growth {
     Growth {
         width: 1500.0,
-        height: 2400.0,
-        lean: 0.55,
-        coverage: 0.5,
+        height: 2500.0,
+        lean: 0.3,
+        coverage: 0.35,
         age: 0.0,
         ..Growth::new(GrowthKind::Congestus, seed)
     }

@@ -68,7 +68,7 @@ fn make(kind: GrowthKind) -> Make {
             effective_radius_um: 12.0,
             boundary: 0.03,
             wispiness: 0.05,
-            dilution: 0.0,
+            stratification: 0.95,
             ..heap
         },
         GrowthKind::Fractus => Make {
