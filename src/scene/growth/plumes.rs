@@ -40,7 +40,6 @@ pub(super) const HUMILIS: Habit = Habit {
     waist: 0.34,
     plumes: 24,
     shelf: 0.36,
-    ceiling: 1.0,
     broods: [brood(11, -0.2, 0.04), brood(8, -0.2, 0.04), brood(5, -0.1, 0.045)],
 };
 
