@@ -20,7 +20,7 @@ demo: driver
 gallery: driver
 	$(if $(filter ./target/release/nephos,$(NEPHOS)),cargo build --release)
 	for scene in $(GALLERY:examples/scenes/gallery-%.json=%); do \
-		$(NEPHOS) render examples/scenes/gallery-$$scene.json -o docs/pictures/gallery/$$scene.png --quality preview || exit 1; \
+		$(NEPHOS) render examples/scenes/gallery-$$scene.json -o docs/pictures/gallery/$$scene.png || exit 1; \
 	done
 
 # One process for each binary: tests share a device and its compiled shaders. One that fails hides no other.
