@@ -2,15 +2,26 @@
 # Both look for a Vulkan driver first; where there is none and apt is, they install Mesa's.
 
 PICTURE := target/demo.png
+GALLERY := $(wildcard examples/scenes/gallery-*.json)
 # lavapipe prints a warning on every run without a private folder of its own.
 export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
 
-.PHONY: demo test lint parts docs examples driver screen readers movies
+# The program that draws the gallery; another may be named: make gallery NEPHOS=nephos
+NEPHOS ?= ./target/release/nephos
+
+.PHONY: demo gallery test lint parts docs examples driver screen readers movies
 
 demo: driver
 	cargo build --release
 	./target/release/nephos render examples/scenes/humilis.json -o $(PICTURE)
 	@echo "The picture is $(CURDIR)/$(PICTURE)"
+
+# The pictures of docs/gallery.md.
+gallery: driver
+	$(if $(filter ./target/release/nephos,$(NEPHOS)),cargo build --release)
+	for scene in $(GALLERY:examples/scenes/gallery-%.json=%); do \
+		$(NEPHOS) render examples/scenes/gallery-$$scene.json -o docs/pictures/gallery/$$scene.png || exit 1; \
+	done
 
 # One process for each binary: tests share a device and its compiled shaders. One that fails hides no other.
 test: driver screen readers movies
@@ -34,10 +45,10 @@ parts:
 		cargo check --locked --no-default-features --features $$feature || exit 1; \
 	done
 
-# The scenes under examples/ are the presets: written anew when a preset changes.
+# The scenes under examples/ are the presets, written anew when a preset changes, and those of the gallery, by hand.
 examples:
 	cargo build --release
-	for preset in examples/scenes/*.json; do \
+	for preset in $(filter-out $(GALLERY),$(wildcard examples/scenes/*.json)); do \
 		./target/release/nephos new --preset $$(basename $$preset .json) --force -o $$preset; \
 	done
 
