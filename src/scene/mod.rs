@@ -76,7 +76,7 @@ pub struct Scene {
     /// The clouds, at most 4096; none is an empty sky.
     #[schemars(length(max = MAX_CLOUDS))]
     pub clouds: Vec<Cloud>,
-    /// The noise that shapes the boundaries of all clouds.
+    /// The noise that shapes the boundaries of clouds that have none of their own.
     pub noise: Noise,
     /// The light of the sun.
     pub sun: Sun,

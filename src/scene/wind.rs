@@ -9,7 +9,8 @@ use crate::Result;
 
 const SPEED: Limits = Limits::new(-1e3, 1e3, "metres per second");
 
-/// The wind that carries the clouds through the noise, which stands still in the world.
+/// The wind that carries the clouds, each with the noise of its own; a cloud that has none drifts through the
+/// scene's, which stands still in the world.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Wind {

@@ -243,6 +243,11 @@ fn paths_through_clouds_with_noises_of_their_own_are_those_through_each_alone() 
     assert_agree(&results);
 }
 
+/// A camera that goes with the wind, which has carried the clouds by `drift`, m.
+fn carried(camera: &Camera, drift: DVec3) -> Camera {
+    Camera { position: camera.position + drift, target: camera.target + drift, ..camera.clone() }
+}
+
 #[test]
 fn wind_makes_no_light_for_clouds_with_noise_of_their_own() {
     // One lump alone, in the middle of its frame but for rounding, and two that shade what is below.
@@ -264,13 +269,7 @@ fn wind_makes_no_light_for_clouds_with_noise_of_their_own() {
     let mut updates = Vec::new();
     for time in [0.0, 1.0 / 24.0, 0.4, 7.7, 1234.567] {
         windy.time = time;
-        // The camera goes with the wind.
-        let drift = windy.drift();
-        windy.camera = Some(Camera {
-            position: camera.position + drift,
-            target: camera.target + drift,
-            ..camera.clone()
-        });
+        windy.camera = Some(carried(&camera, windy.drift()));
         pictures.push(draw(&mut renderer, &windy, [32, 32], false));
         updates.push((renderer.light_updates(), renderer.volumes_baked()));
     }
@@ -289,12 +288,7 @@ fn wind_makes_no_light_for_clouds_with_noise_of_their_own() {
     windy.clouds.iter_mut().for_each(|cloud| cloud.noise = None);
     let seen = [0.0, 40.0].map(|time| {
         windy.time = time;
-        let drift = windy.drift();
-        windy.camera = Some(Camera {
-            position: camera.position + drift,
-            target: camera.target + drift,
-            ..camera.clone()
-        });
+        windy.camera = Some(carried(&camera, windy.drift()));
         draw(&mut renderer, &windy, [32, 32], false)
     });
     assert!(difference(&seen[0], &seen[1]) > 0.02);

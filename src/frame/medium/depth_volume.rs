@@ -128,7 +128,7 @@ impl DepthVolume {
         Self { uniform, index: gpu::storage_buffer(device, "depth index", &plan.index), atlas }
     }
 
-    /// Memory of its textures, bytes.
+    /// Memory of its atlas and index, bytes.
     pub fn bytes(&self) -> u64 {
         let texels = |view: &wgpu::TextureView| {
             let size = view.texture().size();

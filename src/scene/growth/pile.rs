@@ -85,15 +85,13 @@ pub(super) struct Brood {
 pub(super) struct Pile {
     lumps: Vec<Lump>,
     grid: Grid,
-    /// Neighbours that were looked at: what it costs.
-    pub looked_at: usize,
 }
 
 impl Pile {
     /// Nothing, in a box of half the extent `reach` around the middle of the base, metres. What is beyond is
     /// found in its outermost cells.
     pub fn new(reach: DVec3) -> Self {
-        Self { lumps: Vec::new(), grid: Grid::new(reach), looked_at: 0 }
+        Self { lumps: Vec::new(), grid: Grid::new(reach) }
     }
 
     pub fn lumps(&self) -> &[Lump] {
@@ -174,10 +172,8 @@ impl Pile {
     }
 
     /// Whether a child of `parent` at `p` would be inside a larger lump, or crowd one of its own generation.
-    fn is_taken(&mut self, p: DVec3, size: f64, parent: usize, generation: u32) -> bool {
-        let mut seen = 0;
-        let taken = self.grid.around(p).any(|i| {
-            seen += 1;
+    fn is_taken(&self, p: DVec3, size: f64, parent: usize, generation: u32) -> bool {
+        self.grid.around(p).any(|i| {
             let other = &self.lumps[i as usize];
             if other.part != Part::Heap {
                 return false;
@@ -188,9 +184,7 @@ impl Pile {
             // Measured in the other's own radii: those at the base are flat.
             let inside = (p - other.center) / (other.radii * (BURIED - 0.1 * size / other.size));
             i as usize != parent && other.size > 1.2 * size && inside.length_squared() < 1.0
-        });
-        self.looked_at += seen;
-        taken
+        })
     }
 }
 
