@@ -97,7 +97,11 @@ fn structs_of_rust_and_shaders_agree() {
             "Body",
             layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, uneven, table),
         ),
-        ("march", "Species", layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees)),
+        (
+            "march",
+            "Species",
+            layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees, ahead),
+        ),
         (
             "moments_sweep",
             "Field",
