@@ -5,82 +5,16 @@
 // each with samples of its own; their paths are kept between dispatches, so that each does a
 // bounded amount of work.
 //
-// Mie scattering has a peak some thousand times as high as its flank, so that a path which
-// happens to turn towards the sun sees a thousand times the light of its neighbours. A share
-// of directions is therefore drawn around the sun instead of around the path, and the two
-// ways are weighted by what both together would have chosen (one-sample balance heuristic).
+// Mie scattering has a peak some thousand times as high as its flank. What scatters is therefore
+// split: each collision is one in the peak of the phase function, or a wide one. At a wide one, all light is
+// estimated that comes from the sun through any number of peak collisions (`walk`): these are drawn
+// backwards, from the sun, so that only the smooth part of the phase function is left in the estimate. Peak
+// collisions after a wide one then take no light from the sun themselves; before the first wide one
+// they do, and a share of their directions is drawn around the sun (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use atmosphere camera medium path_choice path_random phase ray_box
+// @use path_medium path_state path_walk
 
-struct Scene {
-    // Least corner of the grid relative to the scene's origin, m; the scene's origin is
-    // where ellipsoids and noise have theirs.
-    low: vec3f,
-    // Edge of a cell, m.
-    cell: f32,
-    size: vec3u,
-    // Samples that each pixel shall have from here.
-    samples: u32,
-    // The camera's position, m from the scene's origin.
-    camera: vec3f,
-    seed: u32,
-    to_sun: vec3f,
-    // Angular radius of the sun's disc, rad.
-    sun_radius: f32,
-    sun_irradiance: vec3f,
-    // Altitude of the scene's origin above the ground, m.
-    altitude: f32,
-    // Samples that each pixel has from elsewhere: the next one has this number.
-    first: u32,
-    // Steps of one thread in one dispatch.
-    rounds: u32,
-    padding: vec2u,
-}
-
-struct Cell {
-    first: u32,
-    count: u32,
-    // Largest extinction in the cell, 1/m.
-    majorant: f32,
-    padding: u32,
-}
-
-// A path under way.
-struct Path {
-    position: vec3f,
-    random: u32,
-    direction: vec3f,
-    mode: u32,
-    // Towards a point of the sun's disc.
-    to_light: vec3f,
-    // Transmittance towards the sun so far.
-    shadow: f32,
-    // Phase function times irradiance, for when the sun is reached.
-    light: vec3f,
-    // Samples that this thread has finished.
-    taken: u32,
-    // What the path has scattered, over the density with which its channel chose it.
-    throughput: vec3f,
-    collisions: u32,
-    // Densities with which each channel would have chosen it, over that of its channel.
-    choice: vec3f,
-    species: u32,
-    // Light of this sample so far.
-    gathered: vec3f,
-    // The channel that chooses the directions.
-    channel: u32,
-    // Where the shadow ray began.
-    origin: vec3f,
-    padding: u32,
-}
-
-const START: u32 = 0u;
-const TRACK: u32 = 1u;
-const SHADOW: u32 = 2u;
-const DONE: u32 = 3u;
-
-override ATMOSPHERE: bool = true;
 // Threads of one pixel: thread i has samples i, i + LANES, ... of `Scene::samples`.
 override LANES: u32 = 1u;
 // Least share of directions that are drawn around the sun, at the first collisions; later ones
@@ -93,114 +27,9 @@ override MOST_TO_SUN: f32 = 0.3;
 // Paths that carry less than this are ended by chance.
 override FAINT: f32 = 0.05;
 
-@group(0) @binding(0) var<uniform> scene: Scene;
-@group(0) @binding(1) var<uniform> camera: Camera;
-@group(0) @binding(2) var<uniform> sky: Sky;
-@group(0) @binding(3) var<storage, read> cells: array<Cell>;
-@group(0) @binding(4) var<storage, read> candidates: array<u32>;
-// By species: see below.
-@group(0) @binding(5) var<storage, read> phase_tables: array<f32>;
-@group(0) @binding(6) var<storage, read_write> paths: array<Path>;
-@group(0) @binding(7) var<storage, read_write> sums: array<Sum>;
-@group(0) @binding(8) var<storage, read_write> unfinished: atomic<u32>;
-@group(0) @binding(9) var clamped: sampler;
-@group(0) @binding(10) var transmittance: texture_2d<f32>;
-@group(0) @binding(11) var sky_view: texture_2d<f32>;
-
-// The state of the path's random numbers while this thread works on it.
-var<private> random_state: u32;
-
-fn draw() -> f32 {
-    var state = random_state;
-    let x = uniform_random(&state);
-    random_state = state;
-    return x;
-}
-
 // The sample that a thread is at, of those that its pixel shall have.
 fn sample_of(path: ptr<function, Path>, index: u32) -> u32 {
     return index % LANES + LANES * (*path).taken;
-}
-
-// A species in `phase_tables`: its albedo, then for each channel the phase function over
-// the coordinate of its angle, then the angle below which a share of light is scattered,
-// over the coordinate of that share.
-const ANGLES: u32 = 4096u;
-const TABLE: u32 = 1u + 6u * ANGLES;
-
-fn table_at(base: u32, x: f32) -> f32 {
-    let place = clamp(x, 0.0, 1.0) * f32(ANGLES - 1u);
-    let i = min(u32(place), ANGLES - 2u);
-    return mix(phase_tables[base + i], phase_tables[base + i + 1u], place - f32(i));
-}
-
-// Phase function between two directions of propagation, three channels, 1/sr.
-fn phase(species: u32, before: vec3f, after: vec3f) -> vec3f {
-    let x = phase_coordinate(before, after);
-    let base = TABLE * species + 1u;
-    return vec3f(table_at(base, x), table_at(base + ANGLES, x), table_at(base + 2u * ANGLES, x));
-}
-
-// A direction after scattering, chosen by one channel.
-fn scattered(species: u32, channel: u32, before: vec3f) -> vec3f {
-    let x = share_coordinate(draw());
-    let angle = table_at(TABLE * species + 1u + (3u + channel) * ANGLES, x);
-    return turned(before, angle, 6.2831853 * draw());
-}
-
-// Tracking as far as the next tentative collision.
-struct Step {
-    position: vec3f,
-    // Whether the grid was left.
-    outside: bool,
-    // Whether this is a tentative collision, and what is there.
-    tentative: bool,
-    matter: Matter,
-    majorant: f32,
-}
-
-// Cells that one step crosses at the most; the next one goes on from there.
-const CELLS: u32 = 24u;
-
-// Crosses cells until an optical depth of the majorant, drawn once, is used up; only there
-// the density is asked. (Stopping between cells and drawing anew changes nothing: what is
-// left of an exponential is distributed like a fresh one.)
-fn track(position: vec3f, direction: vec3f) -> Step {
-    var p = position;
-    var left = free_flight(draw());
-    var outside = false;
-    var tentative = false;
-    var cell = Cell(0u, 0u, 0.0, 0u);
-    for (var i = 0u; i < CELLS; i++) {
-        let place = (p - scene.low) / scene.cell;
-        let index = vec3i(floor(place));
-        outside = any(index < vec3i(0)) || any(index >= vec3i(scene.size));
-        if outside {
-            break;
-        }
-        let c = vec3u(index);
-        cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
-        let exit = cell_exit(place, scene.cell, direction);
-        tentative = cell.majorant * exit > left;
-        if tentative {
-            p += left / cell.majorant * direction;
-            break;
-        }
-        p += exit * direction;
-        left -= cell.majorant * exit;
-    }
-    if !tentative {
-        return Step(p, outside, false, CLEAR, 0.0);
-    }
-    return Step(p, false, true, medium_at(Region(cell.first, cell.count), p, 0.0, 0.0), cell.majorant);
-}
-
-// Irradiance of the sun at a point.
-fn sun_at(p: vec3f) -> vec3f {
-    if !ATMOSPHERE {
-        return scene.sun_irradiance;
-    }
-    return scene.sun_irradiance * sun_irradiance_at(sky.atmosphere, transmittance, clamped, scene.altitude + p.y, scene.to_sun.y);
 }
 
 // Light of sky and ground from a direction, as clouds see it; the camera may be far below.
@@ -236,6 +65,7 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     (*path).choice = vec3f(1.0);
     (*path).gathered = vec3f(0.0);
     (*path).collisions = 0u;
+    (*path).covered = false;
     (*path).mode = TRACK;
 }
 
@@ -250,52 +80,89 @@ fn start_or_done(path: ptr<function, Path>, index: u32) -> u32 {
     return select(DONE, START, sample_of(path, index) < scene.samples);
 }
 
-// What a path carries, its three ways to be chosen weighed together.
-fn carried(path: ptr<function, Path>) -> vec3f {
-    return spectral_weight((*path).throughput, (*path).choice);
-}
-
-// A real collision: aim at the sun.
-fn collide(path: ptr<function, Path>, p: vec3f, species: u32) {
+// A real collision: of which part of the phase function it is, and whether it takes light from the sun.
+// Where that would be little, it does so now and then.
+fn collide(path: ptr<function, Path>, p: vec3f, species: u32) -> u32 {
+    let part = select(WIDE, PEAK, draw() < peak_share(species));
+    let is_covered = part == PEAK && (*path).covered && species == (*path).species;
     (*path).position = p;
     (*path).origin = p;
     (*path).species = species;
+    (*path).part = part;
+    (*path).covered = is_covered || part == WIDE;
     (*path).collisions += 1u;
-    (*path).throughput *= phase_tables[TABLE * species];
-    let angle = disc_angle(scene.sun_radius, draw());
-    (*path).to_light = turned(scene.to_sun, angle, 6.2831853 * draw());
-    (*path).light = phase(species, (*path).direction, (*path).to_light) * sun_at(p);
-    (*path).shadow = 1.0;
-    (*path).mode = SHADOW;
+    (*path).throughput *= albedo(species);
+    (*path).toward = phase_green(species, part, (*path).direction, scene.to_sun);
+    let most = max((*path).throughput.x, max((*path).throughput.y, (*path).throughput.z));
+    let chance = walk_chance((*path).toward * most, DIM);
+    if draw() >= chance || is_covered {
+        return SCATTER;
+    }
+    (*path).taken_weight = 1.0 / chance;
+    (*path).chained = part == WIDE && peak_share(species) > 0.0;
+    (*path).walk = next_seed();
+    (*path).kept = random_state;
+    (*path).other = 0u;
+    (*path).mode = STRAIGHT;
+    (*path).count = 0u;
+    return WALK;
 }
 
-// Share of directions drawn around the sun at a collision.
-fn share_to_sun(path: ptr<function, Path>) -> f32 {
-    let toward = phase((*path).species, (*path).direction, scene.to_sun).y;
-    return share_around_sun(TO_SUN, MOST_TO_SUN, toward, (*path).collisions);
-}
-
-// Chooses where to go on from a collision: around the path or around the sun.
-fn choose_direction(path: ptr<function, Path>) {
-    let channel = (*path).channel;
-    let species = (*path).species;
+// Chooses a direction: of a walk, the first of a chain of `count` directions that ends at a point of
+// the sun's disc, found backwards from there; of a path, one around it or around the sun.
+fn choose_direction(path: ptr<function, Path>, next: u32) {
+    let scatters = next == SCATTER;
+    let state = random_state;
+    let guided = scatters && (!(*path).covered || peak_share((*path).species) == 0.0);
+    let share = select(0.0, share_around_sun(TO_SUN, MOST_TO_SUN, (*path).toward, (*path).collisions), guided);
+    // All walks of a collision have the same random numbers: where one has met matter, others may.
+    random_state = select(hash_random((*path).walk, 1u, scene.seed), state, scatters);
+    let chance = draw();
+    let azimuth = 6.2831853 * draw();
     let before = (*path).direction;
-    let share = share_to_sun(path);
-    let around = select(before, scene.to_sun, draw() < share);
-    let after = scattered(species, channel, around);
-    let scattering = phase(species, before, after);
-    let chances = mixed_density(share, scattering, phase(species, scene.to_sun, after));
-    let chance = chances[channel];
-    (*path).direction = after;
-    (*path).throughput *= scattering / chance;
-    (*path).choice *= chances / chance;
+    let around_sun = scatters && chance < share;
+    var to = turned(scene.to_sun, disc_angle(scene.sun_radius, select(chance, 0.0, scatters)), azimuth);
+    to = select(to, before, scatters && !around_sun);
+    let species = (*path).species;
+    let part = select(PEAK, (*path).part, scatters);
+    let turns = select((*path).count, 1u, scatters);
+    var density = vec3f(1.0);
+    var last = vec3f(1.0);
+    for (var i = 0u; i < turns; i++) {
+        let old = to;
+        to = scattered(species, part, (*path).channel, old);
+        last = phase(species, part, old, to);
+        density = balanced(density * last);
+    }
+    // What a walk's light is scattered by, or the density that the other way to choose has.
+    let source = select(before, scene.to_sun, scatters && !around_sun);
+    let own = phase(species, (*path).part, source, to);
+    if scatters {
+        let scattering = select(last, own, around_sun);
+        let chances = (*path).choice * mixed_density(share, scattering, select(own, last, around_sun));
+        (*path).direction = to;
+        (*path).throughput = spectral_weight((*path).throughput * scattering, chances);
+        (*path).choice = balanced(chances);
+        roulette(path);
+        return;
+    }
+    (*path).to_light = to;
+    random_state = state;
+    if next == WALK {
+        (*path).light = (*path).taken_weight * own
+            * spectral_weight((*path).throughput * density, (*path).choice * density);
+        (*path).shadow = 1.0;
+        (*path).position = (*path).origin;
+        (*path).height = (*path).origin.y;
+        random_state = hash_random((*path).walk, 0u, scene.seed);
+    }
 }
 
 // Russian roulette on paths that carry little. Long ones that have lost nothing go on: ending
 // them with a chance above that of leaving the cloud would put all of their light, percents of
 // a thick cloud's, on paths too rare to be seen.
 fn roulette(path: ptr<function, Path>) {
-    let survival = roulette_survival(carried(path), FAINT, near_sun(path));
+    let survival = roulette_survival((*path).throughput, FAINT, near_sun(path));
     if draw() >= survival {
         (*path).throughput = vec3f(0.0);
     }
@@ -309,45 +176,30 @@ fn near_sun(path: ptr<function, Path>) -> bool {
 // Cosine of 8 degrees.
 const NEAR_SUN: f32 = 0.99;
 
-// The sun was reached, or is hidden or dark: go on where the collision was.
-fn scatter(path: ptr<function, Path>, index: u32) {
-    (*path).position = (*path).origin;
-    (*path).mode = TRACK;
-    choose_direction(path);
-    roulette(path);
-    if all((*path).throughput <= vec3f(0.0)) {
-        finish(path, index);
-    }
-}
-
 fn advance(path: ptr<function, Path>, index: u32) {
-    let is_shadow = (*path).mode == SHADOW;
-    let direction = select((*path).direction, (*path).to_light, is_shadow);
-    let step = track((*path).position, direction);
+    let is_walk = (*path).mode != TRACK;
+    let step = track((*path).position, select((*path).direction, (*path).to_light, is_walk));
     (*path).position = step.position;
     let share = select(0.0, real_share(step.matter.extinction, step.majorant), step.tentative);
-    var seen = false;
-    if is_shadow {
-        (*path).shadow *= 1.0 - share;
-        // Roulette on what hardly counts keeps its mean.
-        var hidden = (*path).shadow <= 0.0;
-        if (*path).shadow < 0.05 && step.tentative {
-            hidden = hidden || draw() < 0.5;
-            (*path).shadow *= 2.0;
+    var next = select(ON, LEFT, step.outside);
+    if is_walk {
+        if step.tentative {
+            next = walk(path, step, share);
         }
-        seen = step.outside || hidden;
-        (*path).gathered += select(vec3f(0.0), carried(path) * (*path).light * (*path).shadow, seen && !hidden);
-    } else if step.outside {
-        if (*path).collisions > 0u {
-            (*path).gathered += carried(path) * sky_from((*path).direction);
+        if step.outside || (*path).shadow <= 0.0 {
+            next = end_walk(path);
         }
-        finish(path, index);
     } else if step.tentative && draw() < share {
-        collide(path, step.position, bodies[step.matter.body].table);
-        seen = all((*path).light <= vec3f(0.0));
+        next = collide(path, step.position, bodies[step.matter.body].table);
     }
-    if seen {
-        scatter(path, index);
+    if next == WALK || next == TURN || next == SCATTER {
+        choose_direction(path, next);
+    }
+    if next == LEFT && (*path).collisions > 0u {
+        (*path).gathered += (*path).throughput * sky_from((*path).direction);
+    }
+    if next == LEFT || all((*path).throughput <= vec3f(0.0)) {
+        finish(path, index);
     }
 }
 
@@ -360,8 +212,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if pixel >= width * u32(camera.size.y) {
         return;
     }
-    var path = paths[index];
-    random_state = path.random;
+    var path = loaded(index);
     if path.mode == START || path.mode == DONE {
         path.mode = start_or_done(&path, index);
     }
@@ -374,8 +225,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             advance(&path, index);
         }
     }
-    path.random = random_state;
-    paths[index] = path;
+    store(index, path);
     if path.mode != DONE {
         atomicAdd(&unfinished, 1u);
     }

@@ -126,7 +126,7 @@ fn structs_of_rust_and_shaders_agree() {
 
 #[test]
 fn storage_of_paths_has_the_size_that_the_shader_takes() {
-    assert_eq!(in_shader("path", "Path").1 as usize, PATH_BYTES);
+    assert_eq!(in_shader("path", "StoredPath").1 as usize, PATH_BYTES);
     assert_eq!(in_shader("path", "Sum").1 as usize, 4 * SUM_FLOATS);
 }
 

@@ -47,7 +47,33 @@ fn mixed_density(share: f32, around_path: vec3f, around_sun: vec3f) -> vec3f {
 
 // What a path carries, its three ways to be chosen weighed together.
 fn spectral_weight(throughput: vec3f, choice: vec3f) -> vec3f {
-    return 3.0 * throughput / (choice.x + choice.y + choice.z);
+    return throughput * (3.0 / max(choice.x + choice.y + choice.z, 1e-30));
+}
+
+// Densities of the three channels over their mean.
+fn balanced(densities: vec3f) -> vec3f {
+    return densities * (3.0 / max(densities.x + densities.y + densities.z, 1e-30));
+}
+
+// A number of collisions near `count`, or unlike it where `apart`, and the chance to be drawn: that
+// falls by half with each step away. Numbers below 1 mean that there is none.
+fn neighbour_count(count: u32, apart: bool, side: f32, far: f32) -> vec2f {
+    let steps = floor(-log2(1.0 - far)) + select(0.0, 1.0, apart);
+    let sides = select(2.0, 1.0, steps == 0.0);
+    let chance = exp2(-steps - select(1.0, 0.0, apart)) / sides;
+    return vec2f(f32(count) + select(steps, -steps, side < 0.5), chance);
+}
+
+// Chance of a walk to the sun to be taken that would bring this `light`, where `dim` is little.
+fn walk_chance(light: f32, dim: f32) -> f32 {
+    return clamp(light / max(dim, 1e-20), LEAST_WALKS, 1.0);
+}
+const LEAST_WALKS: f32 = 0.1;
+
+// What is left of light where a tentative collision, a `share` of which is real, was none of the
+// `events` that are told apart.
+fn missed_share(share: f32, events: f32) -> f32 {
+    return (1.0 - share) / max(1.0 - events, 1e-6);
 }
 
 // Chance of a path to survive Russian roulette: those that carry less than `faint` are ended, save

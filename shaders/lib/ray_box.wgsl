@@ -15,10 +15,10 @@ fn box_span(low: vec3f, high: vec3f, origin: vec3f, direction: vec3f) -> vec2f {
     return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(far.x, min(far.y, far.z)));
 }
 
-// Distance to the walls of a cell of a grid, and a little beyond so that the next cell is another;
-// `place` is in cells, `edge` in metres.
-fn cell_exit(place: vec3f, edge: f32, direction: vec3f) -> f32 {
-    let wall = (floor(place) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0)) - place) * edge;
+// Distance to the walls of a cell of a grid and `around` so many cells on all sides of it, and a little
+// beyond so that the next cell is another; `place` is in cells, `edge` in metres.
+fn cell_exit(place: vec3f, edge: f32, around: f32, direction: vec3f) -> f32 {
+    let wall = (floor(place) + select(vec3f(-around), vec3f(1.0 + around), direction > vec3f(0.0)) - place) * edge;
     let ways = abs(wall / steady_direction(direction));
     return min(ways.x, min(ways.y, ways.z)) + 1e-4 * edge;
 }

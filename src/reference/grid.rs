@@ -2,9 +2,9 @@
 //! largest extinction there: empty air costs a step a cell, and a collision asks only the
 //! ellipsoids at hand.
 
-use glam::{UVec3, Vec3};
+use glam::{IVec3, UVec3, Vec3};
 
-use crate::frame::medium::EllipsoidUniform;
+use crate::frame::medium::{BodyUniform, EllipsoidUniform};
 
 /// `Cell` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -13,7 +13,7 @@ pub struct Cell {
     pub(super) first: u32,
     pub(super) count: u32,
     pub(super) majorant: f32,
-    pub(super) padding: u32,
+    pub(super) clear: u32,
 }
 
 /// Most cells along an axis, and one more for rounding.
@@ -37,7 +37,7 @@ pub struct Grid {
 impl Grid {
     /// A grid of about `cells` cubes around the ellipsoids: as fine in a flat layer as in a heap,
     /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
-    pub fn new(ellipsoids: &[EllipsoidUniform], cells: u32) -> Self {
+    pub fn new(ellipsoids: &[EllipsoidUniform], bodies: &[BodyUniform], cells: u32) -> Self {
         let (low, high) = EllipsoidUniform::bounds(ellipsoids);
         let extent = high - low;
         let even = (extent.x * extent.y * extent.z / cells as f32).cbrt();
@@ -47,14 +47,15 @@ impl Grid {
         for z in 0..size.z {
             for y in 0..size.y {
                 for x in 0..size.x {
-                    grid.push(ellipsoids, UVec3::new(x, y, z));
+                    grid.push(ellipsoids, bodies, UVec3::new(x, y, z));
                 }
             }
         }
+        grid.clear();
         grid
     }
 
-    fn push(&mut self, ellipsoids: &[EllipsoidUniform], index: UVec3) {
+    fn push(&mut self, ellipsoids: &[EllipsoidUniform], bodies: &[BodyUniform], index: UVec3) {
         let middle = self.low + (index.as_vec3() + 0.5) * self.cell;
         // Half the diagonal, and the little that a step goes beyond its cell.
         let radius = 0.8662 * self.cell;
@@ -62,15 +63,45 @@ impl Grid {
         let first = self.candidates.len();
         self.candidates.extend(near);
         let list = &self.candidates[first..];
-        let majorant = list.iter().map(|&i| ellipsoids[i as usize].extinction).fold(0.0, f32::max);
-        self.cells.push(Cell { first: first as u32, count: list.len() as u32, majorant, padding: 0 });
+        let top = middle.y + radius;
+        let most = |&i: &u32| {
+            let e = &ellipsoids[i as usize];
+            e.extinction * bodies[e.body as usize].most_profile(top)
+        };
+        let majorant = list.iter().map(most).fold(0.0, f32::max);
+        self.cells.push(Cell { first: first as u32, count: list.len() as u32, majorant, clear: 0 });
+    }
+
+    /// Tells each empty cell how many cells around it are empty, too, in the chessboard's metric; beyond the
+    /// grid there is nothing.
+    fn clear(&mut self) {
+        const FAR: u32 = 1 << 12;
+        for cell in &mut self.cells {
+            cell.clear = if cell.count == 0 { FAR } else { 0 };
+        }
+        let size = self.size.as_ivec3();
+        let at = |p: IVec3| ((p.z * size.y + p.y) * size.x + p.x) as usize;
+        // Forth and back: half of the neighbours each time.
+        for sign in [-1, 1] {
+            for i in 0..self.cells.len() {
+                let i = if sign < 0 { i } else { self.cells.len() - 1 - i } as i32;
+                let p = IVec3::new(i % size.x, i / size.x % size.y, i / (size.x * size.y));
+                let before = |d: &IVec3| (d.z, d.y, d.x).cmp(&(0, 0, 0)) == (0.cmp(&-sign));
+                let near = (0..27).map(|k| IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)).filter(before);
+                let inside = |q: &IVec3| q.cmpge(IVec3::ZERO).all() && q.cmplt(size).all();
+                let least = near.map(|d| p + d).filter(inside).map(|q| self.cells[at(q)].clear).min();
+                let own = self.cells[at(p)].clear;
+                self.cells[at(p)].clear = own.min(least.map_or(FAR, |least| least + 1));
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Cloud, Ellipsoid};
+    use crate::frame::medium::{NoiseFrame, Species};
+    use crate::scene::{Cloud, Ellipsoid, Noise};
     use glam::{DQuat, DVec3};
 
     #[test]
@@ -86,7 +117,11 @@ mod tests {
                 EllipsoidUniform::new(&cloud, &e, DVec3::ZERO, 10.0)
             })
             .to_vec();
-        let grid = Grid::new(&ellipsoids, 4000);
+        let bounds = (DVec3::splat(-100.0), DVec3::splat(100.0));
+        let noise = NoiseFrame::new(&Noise::default(), 100.0, DVec3::ZERO);
+        let species = Species::of(&cloud.droplets).unwrap().uniform();
+        let body = BodyUniform::new(&cloud, bounds, noise, species, true);
+        let grid = Grid::new(&ellipsoids, &[body], 4000);
         for i in 0..2000u32 {
             // A spiral through each ellipsoid's inside.
             let t = (f64::from(i) + 0.5) / 2000.0;
@@ -105,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_ellipsoids_has_one_empty_cell() {
-        let grid = Grid::new(&[], 4000);
+        let grid = Grid::new(&[], &[], 4000);
         assert!(grid.cells.iter().all(|cell| cell.count == 0 && cell.majorant == 0.0));
     }
 }

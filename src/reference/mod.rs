@@ -44,8 +44,8 @@ pub struct SceneUniform {
     padding: [u32; 2],
 }
 
-/// Bytes of the shader's `Path`, and floats of its `Sum`.
-pub(crate) const PATH_BYTES: usize = 128;
+/// Bytes of the shader's `StoredPath`, and floats of its `Sum`.
+pub(crate) const PATH_BYTES: usize = 144;
 pub(crate) const SUM_FLOATS: usize = 8;
 /// Time that one dispatch should take, s: short enough for a window to be drawn in between, long
 /// enough not to be lost in waiting.
@@ -56,7 +56,7 @@ const ROUNDS: [u32; 2] = [32, 1 << 16];
 /// Workgroups that one row of a dispatch may have.
 const MOST_GROUPS: u32 = 65535;
 /// Cells of the grid, about.
-const CELLS: u32 = 48 * 48 * 48;
+const CELLS: u32 = 40 * 40 * 40;
 
 /// A path traced picture under way: ask for more samples as often as you like.
 pub struct PathTracer {
@@ -83,6 +83,8 @@ pub struct PathOptions {
     pub seed: u32,
     /// Whether a share of directions is drawn around the sun.
     pub guided: bool,
+    /// Whether the sun is aimed at through the forward peak of phase functions.
+    pub through_peak: bool,
     /// Paths that carry less than this are ended by chance; 0 leaves that to their length.
     pub faint: f64,
     /// Threads of each pixel; by default more for small pictures.
@@ -91,7 +93,7 @@ pub struct PathOptions {
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { seed: 0, guided: true, faint: 0.05, lanes: None }
+        Self { seed: 0, guided: true, through_peak: true, faint: 0.05, lanes: None }
     }
 }
 
@@ -125,7 +127,7 @@ impl PathTracer {
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
         let world = World::new(frame);
-        let grid = Grid::new(&world.ellipsoids, CELLS);
+        let grid = Grid::new(&world.ellipsoids, &world.bodies, CELLS);
         let uniform = SceneUniform {
             low: grid.low,
             cell: grid.cell,
@@ -155,7 +157,7 @@ impl PathTracer {
         let buffers = [
             gpu::storage_buffer(device, "cells", &grid.cells),
             gpu::storage_buffer(device, "candidates", &grid.candidates),
-            gpu::storage_buffer(device, "phase tables", &phase_tables(&world)?),
+            gpu::storage_buffer(device, "phase tables", &phase_tables(&world, options.through_peak)?),
             gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
         ];
         let clamped = gpu::linear_clamp(device);
@@ -313,8 +315,8 @@ fn prepared_sky(gpu: &Gpu, frame: &Frame) -> Sky {
 }
 
 /// Tables by species.
-fn phase_tables(world: &World) -> Result<Vec<f32>> {
-    let tables = world.species.iter().map(|species| phase_table(&species.droplets));
+fn phase_tables(world: &World, split: bool) -> Result<Vec<f32>> {
+    let tables = world.species.iter().map(|species| phase_table(&species.droplets, split));
     Ok(tables.collect::<Result<Vec<_>>>()?.concat())
 }
 
@@ -334,8 +336,8 @@ mod tests {
     #[test]
     fn pictures_that_the_device_cannot_hold_are_refused() {
         let limits = wgpu::Limits::default();
-        assert_eq!(threads([960, 540], 1, &limits).unwrap(), 518_400);
+        assert_eq!(threads([1280, 720], 1, &limits).unwrap(), 921_600);
         let refusal = threads([1920, 1080], 1, &limits).unwrap_err().to_string();
-        assert!(refusal.contains("at most 1048576 pixels") && refusal.contains("1920x1080"), "{refusal}");
+        assert!(refusal.contains("at most 932067 pixels") && refusal.contains("1920x1080"), "{refusal}");
     }
 }

@@ -26,6 +26,7 @@ mod sprites;
 mod transports;
 mod truth;
 mod truth_laws;
+mod truth_peak;
 mod truth_sampling;
 mod volumes;
 mod volumes_drawn;

@@ -40,7 +40,8 @@ fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>)
             let u = normalize(cross(before, vec3f(0.0, 1.0, 0.0)));
             let v = cross(before, u);
             for (var i = 0u; i < 512u; i++) {{
-                let after = scattered(0u, {channel}u, before);
+                let part = select(WIDE, PEAK, draw() < peak_share(0u));
+                let after = scattered(0u, part, {channel}u, before);
                 let bin = min(u32(phase_coordinate(before, after) * {BINS}.0), {BINS}u - 1u);
                 atomicAdd(&tallies[bin], 1u);
                 let azimuth = fract(atan2(dot(after, v), dot(after, u)) / (2.0 * PI) + 1.0);
@@ -50,14 +51,17 @@ fn scatterings(droplets: &Droplets, channel: usize) -> (Vec<u32>, Vec<[f32; 4]>)
                 let x = (f32(id.x) + 0.5) / {BINS}.0;
                 let end = min(x, 1.0 - x);
                 let angle = select(PI - 2.0 * PI * end * end, 2.0 * PI * end * end, x < 0.5);
-                values[id.x] = vec4f(phase(0u, before, turned(before, angle, 1.0)), 0.0);
+                let after = turned(before, angle, 1.0);
+                let peak = peak_share(0u);
+                values[id.x] =
+                    vec4f((1.0 - peak) * phase(0u, WIDE, before, after) + peak * phase(0u, PEAK, before, after), 0.0);
             }}
         }}"
     );
     let device = &gpu().device;
     let program =
         ComputeProgram::from_source(device, "scatterings", gpu::link(&source, &nephos::frame::MEDIA[..1]));
-    let table = storage_buffer(device, "phase tables", &phase_table(droplets).unwrap());
+    let table = storage_buffer(device, "phase tables", &phase_table(droplets, true).unwrap());
     let counts = storage_buffer(device, "counts", &[0u32; BINS + AZIMUTHS]);
     let values = storage_buffer(device, "values", &[[0.0f32; 4]; BINS]);
     let mut bindings = vec![None; 19];

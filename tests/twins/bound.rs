@@ -61,7 +61,9 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("moments_entering", "radiance_from"),
             ("moments_medium", "extinction_at"),
             ("moments_view", "moments_at"),
-            ("path", "table_at phase sun_at sky_from"),
+            ("path", "sky_from"),
+            ("path_medium", "table_at albedo peak_share phase phase_green"),
+            ("path_walk", "sun_at"),
             ("resolve", "mean_of_rays heat"),
             ("sky", "air_and_ground sun_disc transmittance_from"),
             ("sky_light", "radiance_from"),
@@ -100,11 +102,10 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sun_maps", "collect_hits"),
             ("medium", "medium_begin medium_ahead find_near farthest_near listed"),
             ("slab_maps", "absorbed_source"),
-            (
-                "path",
-                "draw sample_of scattered track start finish start_or_done carried collide share_to_sun
-                 choose_direction roulette near_sun scatter advance",
-            ),
+            ("path", "sample_of start finish start_or_done collide choose_direction roulette near_sun advance"),
+            ("path_medium", "scattered track"),
+            ("path_state", "draw next_seed loaded store"),
+            ("path_walk", "walk end_walk"),
         ],
     ),
     (

@@ -365,7 +365,7 @@ fn cell_exit(x: &Wide) -> f64 {
     let d = steady(direction);
     let way = |i: usize| {
         let inside = place[i] - place[i].floor();
-        edge * (if direction[i] > 0.0 { 1.0 - inside } else { inside }) / d[i].abs()
+        edge * (x[1][3] + if direction[i] > 0.0 { 1.0 - inside } else { inside }) / d[i].abs()
     };
     (0..3).map(way).fold(f64::INFINITY, f64::min) + 1e-4 * edge
 }
@@ -384,14 +384,18 @@ fn boxes() -> Vec<Twin> {
             box_span,
         )
         .over("all", box_ray),
-        Twin::new("cell_exit", "ray_box", "return vec4f(cell_exit(x[0].xyz, x[0].w, x[1].xyz));", |x| {
-            one(cell_exit(x))
-        })
+        Twin::new(
+            "cell_exit",
+            "ray_box",
+            "return vec4f(cell_exit(x[0].xyz, x[0].w, x[1].w, x[1].xyz));",
+            |x| one(cell_exit(x)),
+        )
         .over("all", |random| {
             let place = DVec3::from([(); 3].map(|()| random.between(-1.0, 64.0)));
             let axis = random.sign() * [DVec3::X, DVec3::Y, DVec3::Z][random.index(3)];
             let direction = [axis, random.direction()][random.index(4).min(1)];
-            input([vector(place, random.log(0.1, 1e3)), vector(direction, 0.0)])
+            let around = [0, random.index(64)][random.index(2)];
+            input([vector(place, random.log(0.1, 1e3)), vector(direction, around as f64)])
         }),
     ]
 }

@@ -107,11 +107,60 @@ fn choices() -> Vec<Twin> {
         )
         .exact()
         .edges(grid(&[0.0, 0.06], &[0.04, 0.05], &[0.01, 0.2], &[0.0, 1.0])),
+        Twin::new("walk_chance", "path_choice", "return vec4f(walk_chance(x[0].x, x[0].y));", |x| {
+            let [light, dim, ..] = x[0];
+            let chance = if light > dim { 1.0 } else { light / dim };
+            one(if chance < 0.1 { f64::from(0.1f32) } else { chance })
+        })
+        .edges(plane(&[0.0, 1e-4, 0.02, 0.04, 1.0, 1e4], &[0.03]))
+        .over("all", |random| scalars([random.log(1e-6, 10.0), random.log(1e-3, 1.0)])),
+        Twin::new(
+            "neighbour_count",
+            "path_choice",
+            "let n = neighbour_count(u32(x[0].x), x[0].y > 0.5, x[0].z, x[0].w);
+             return vec4f(n, 0.0, 0.0);",
+            neighbour_count,
+        )
+        .edges(grid(&[0.0, 3.0], &[0.0, 1.0], &[0.25, 0.75], &[0.0, 0.3, 0.6, 0.9, 0.999]))
+        .over("all", |random| {
+            // Off the powers of 1/2, where a rounding makes another number.
+            let far = 1.0 - random.between(0.51, 0.99) * 0.5_f64.powi(random.index(12) as i32);
+            scalars([random.index(40) as f64, random.index(2) as f64, random.between(0.0, 1.0), far])
+        }),
     ]
+}
+
+/// Each number twice as likely as the next one away; those apart begin one step off.
+fn neighbour_count(x: &Wide) -> Output {
+    let [count, apart, side, far] = x[0];
+    let (mut steps, mut share) = (0, 0.5);
+    while far >= 1.0 - share {
+        share *= 0.5;
+        steps += 1;
+    }
+    let apart = i32::from(apart > 0.5);
+    let steps = f64::from(steps + apart);
+    let sides = if steps == 0.0 { 1.0 } else { 2.0 };
+    let number = if side < 0.5 { count - steps } else { count + steps };
+    [number, share / sides, f64::NAN, f64::NAN]
 }
 
 fn weights() -> Vec<Twin> {
     vec![
+        Twin::new("balanced", "path_choice", "return vec4f(balanced(x[0].xyz), 0.0);", |x| {
+            let densities = xyz(x[0]);
+            three(densities / (densities.element_sum() / 3.0))
+        })
+        .over("all", |random| input([vector(three_of(random), 0.0)])),
+        Twin::new("missed_share", "path_choice", "return vec4f(missed_share(x[0].x, x[0].y));", |x| {
+            // Of all that are none of the events, those that are not real.
+            one((1.0 - x[0][0]) / (1.0 - x[0][1]).max(f64::from(1e-6f32)))
+        })
+        .edges(plane(&[0.0, 0.5, 1.0], &[0.0, 0.25]))
+        .over("all", |random| {
+            let share = random.between(0.0, 1.0);
+            scalars([share, share * random.between(0.0, 0.9)])
+        }),
         Twin::new(
             "mixed_density",
             "path_choice",

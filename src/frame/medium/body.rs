@@ -50,6 +50,14 @@ impl BodyUniform {
         }
     }
 
+    /// The most that extinction may be up to the height `top`, m, over that at its own top: the profile of
+    /// `shaders/lib/body.wgsl`, which grows with height, and a little for its rounding.
+    pub(crate) fn most_profile(&self, top: f32) -> f32 {
+        let height = ((top - self.base) * self.inverse_height).clamp(1e-4, 1.0);
+        let profile = 1.0 + self.stratification * (height.powf(2.0 / 3.0) - 1.0);
+        (1.001 * profile).min(1.0)
+    }
+
     /// The same body seen from an origin that is `offset` from its own, m, with its noise read from there.
     pub fn moved(self, noise: NoiseFrame, offset: DVec3, table: u32) -> Self {
         Self { noise, base: self.base + offset.y as f32, table, ..self }

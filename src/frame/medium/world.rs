@@ -16,7 +16,8 @@ pub(crate) struct World {
     pub ellipsoids: Vec<EllipsoidUniform>,
     /// What they are made of: each kind once.
     pub species: Vec<Shared<Species>>,
-    bodies: Vec<BodyUniform>,
+    /// The clouds.
+    pub bodies: Vec<BodyUniform>,
 }
 
 impl World {
