@@ -95,7 +95,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "Body",
-            layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, uneven, table),
+            layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, level, uneven, table),
         ),
         ("march", "Species", layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees)),
         (

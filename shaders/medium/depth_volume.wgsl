@@ -56,7 +56,7 @@ fn cloud_at(p: vec3f, direction: vec3f, footprint: f32, blur: f32, share: f32) -
     }
     let body = bodies[0];
     var noise = vec2f(0.0);
-    if share > 0.0 {
+    if share > 0.0 && p.y > body.level {
         count(NOISE_READS, 2u);
         noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
     }

@@ -207,6 +207,7 @@ impl Cloud {
     /// Carries it by `drift`, m, and its own noise with it.
     fn blow(&mut self, drift: DVec3) {
         blow(&mut self.ellipsoids, drift);
+        self.level = self.level.map(|level| level + drift.y);
         if let Some(noise) = &mut self.noise {
             noise.offset += drift;
         }

@@ -180,6 +180,26 @@ fn pair() -> Scene {
     scene
 }
 
+#[test]
+fn nothing_of_a_cloud_is_below_its_level_and_its_base_is_level() {
+    let mut ball = alone(&pair(), 0);
+    ball.clouds[0].ellipsoids.truncate(1);
+    let e = &mut ball.clouds[0].ellipsoids[0];
+    (e.center, e.radii) = (DVec3::new(0.0, 1010.0, 0.0), DVec3::splat(100.0));
+    ball.clouds[0].edge = nephos::scene::Edge { boundary: 12.0, wispiness: 0.0 };
+    ball.clouds[0].level = Some(1010.0);
+    for from in [1, u32::MAX] {
+        let mut renderer = renderer(still(Quality::PREVIEW), Transport::SINGLE);
+        renderer.settings.bake_from = from;
+        // Pixels are 1.1 m.
+        let picture = draw(&mut renderer, &ball, [20, 200], false);
+        let alpha = |row: usize| picture.pixels[row * 20 + 10][3];
+        assert!((101..200).all(|row| alpha(row) == 0.0), "{from}");
+        // Noise moves it by a quarter of what it moves flanks by.
+        assert!((20..95).all(|row| alpha(row) > 0.9), "{from}");
+    }
+}
+
 /// The scene with one of its clouds alone.
 fn alone(scene: &Scene, number: usize) -> Scene {
     Scene { clouds: vec![scene.clouds[number].clone()], ..scene.clone() }

@@ -2,7 +2,7 @@
 //!
 //! An edge is packed as its depth, extinction, boundary and wispiness in x[0]; a body as its base, the
 //! inverse of its height, stratification and dilution in x[1]; whether it is uneven, the height of the
-//! point, billows and wisps in x[2]; the width of a pixel in x[3].
+//! point, billows and wisps in x[2]; the width of a pixel and the level of the base in x[3].
 
 use crate::common::constants::{constant, constants};
 use crate::definitions::rise;
@@ -12,7 +12,7 @@ use crate::pack::{grid, input, line, one, plane, scalars, two};
 const BODY: &str = "fn body(x: array<vec4f, 8>) -> Body {
     var body: Body;
     body.base = x[1].x; body.inverse_height = x[1].y; body.stratification = x[1].z; body.dilution = x[1].w;
-    body.uneven = x[2].x;
+    body.uneven = x[2].x; body.level = x[3].y;
     return body;
 }
 fn edge(x: array<vec4f, 8>) -> Edge { return Edge(x[0].x, x[0].y, x[0].z, x[0].w); }
@@ -54,8 +54,12 @@ fn below(x: &Wide) -> Output {
     let ([depth, extinction, boundary, wispiness], [base, inverse_height, share, dilution]) = (x[0], x[1]);
     let [uneven, y, billows, wisps] = x[2];
     let rise_m = rise_of(boundary, wispiness);
+    // Each metre above the level is worth several.
+    let steep = density("LEVELLING");
+    let low = steep * (y - x[3][1]);
+    let (depth, steep) = if low < depth { (low, steep) } else { (depth, 1.0) };
     // An edge wider than it is grows to both sides.
-    let width = rise_m.max(x[3][0]);
+    let width = rise_m.max(steep * x[3][0]);
     let d = depth - moved(boundary, wispiness, [billows, wisps]) + (width - rise_m) / 2.0;
     let height = y - base;
     let there = extinction * profile(height * inverse_height, share) * kept(dilution, d, boundary);
@@ -66,7 +70,7 @@ fn below(x: &Wide) -> Output {
     if uneven > 0.0 {
         inside = inside.min(density("EVEN") * depth.min(height.max(0.0)));
     }
-    [there * rise(d / width), d, inside.max(-d), 2.0]
+    [there * rise(d / width), d, inside.max(-d) / steep, 2.0]
 }
 
 /// What is deep in a cloud: matter in x[0], body and height as everywhere.
@@ -111,6 +115,7 @@ fn any(random: &mut Random) -> Input {
     let height = random.log(10.0, 1e4);
     let base = random.between(-1.0, 1.0) * height;
     let (stratification, dilution) = (share(random), share(random));
+    let level = [-1e30, base + height * random.between(-0.2, 0.5)][random.index(2)];
     input([
         [
             random.between(-0.2, 4.0) * boundary.max(1.0),
@@ -125,7 +130,7 @@ fn any(random: &mut Random) -> Input {
             random.between(-1.0, 1.0),
             random.between(-1.0, 1.0),
         ],
-        [[0.0, random.log(0.01, 300.0)][random.index(2)], 0.0, 0.0, 0.0],
+        [[0.0, random.log(0.01, 300.0)][random.index(2)], level, 0.0, 0.0],
     ])
 }
 
@@ -209,6 +214,11 @@ fn edges() -> Vec<Twin> {
             "return vec4f(displaced_depth(edge(x), edge_rise(edge(x)), x[2].zw));",
             |x| one(x[0][0] - moved(x[0][2], x[0][3], [x[2][2], x[2][3]])),
         )
+        .declaring(BODY)
+        .over("all", any),
+        Twin::new("level_depth", "density", "return vec4f(level_depth(body(x), x[2].y));", |x| {
+            one(density("LEVELLING") * (x[2][1] - x[3][1]))
+        })
         .declaring(BODY)
         .over("all", any),
         Twin::new("undiluted", "density", "return vec4f(undiluted(x[0].x, x[0].y, x[0].z));", |x| {
