@@ -78,7 +78,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "NoiseFrame",
-            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, amplitudes, scale, texels_per_metre, frequency),
+            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, amplitudes, scale, texels_per_metre, frequency, flow, first, second),
         ),
         (
             "march",

@@ -156,11 +156,11 @@ fn droplets() -> impl Strategy<Value = Droplets> {
 
 fn cloud() -> impl Strategy<Value = Cloud> {
     let place = (direction(), 0.0..1000.0);
-    let level = proptest::option::weighted(0.25, -200.0..100.0);
+    let level = proptest::option::weighted(0.25, -200.0..100.0f64);
     let body = (0.0..=1.0, share(), share(), proptest::option::weighted(0.25, noise()), level);
     (proptest::collection::vec(ellipsoid(), 1..6), droplets(), edge(), place, body).prop_map(
         |(mut ellipsoids, droplets, edge, (way, out), (blend, stratification, dilution, noise, level))| {
-            let middle = 1500.0 * DVec3::Y + out * way;
+            let middle: DVec3 = 1500.0 * DVec3::Y + out * way;
             ellipsoids.iter_mut().for_each(|e| e.center += middle);
             let level = level.map(|above| middle.y + above);
             Cloud {

@@ -7,7 +7,8 @@
 use crate::common::constants::{constant, constants};
 use crate::definitions::rise;
 use crate::harness::{Input, Output, Random, Twin, Wide};
-use crate::pack::{grid, input, line, one, plane, scalars, two};
+use crate::pack::{grid, input, line, one, plane, scalars, three, two, xyz};
+use glam::DVec3;
 
 const BODY: &str = "fn body(x: array<vec4f, 8>) -> Body {
     var body: Body;
@@ -138,6 +139,7 @@ pub fn twins() -> Vec<Twin> {
     let mut all = lumps();
     all.extend(edges());
     all.extend(octaves());
+    all.extend(flows());
     all
 }
 
@@ -288,6 +290,91 @@ fn octaves() -> Vec<Twin> {
             input([coarse, fine, [weights[0], weights[1], weights[2], random.between(0.3, 1.0)]])
         }),
     ]
+}
+
+/// A sum of shears along each axis, by cosines and sines that go round once a period (Dombre et al. 1986, eq. 1.1).
+fn eddies(q: DVec3) -> DVec3 {
+    let turn = std::f64::consts::TAU * q;
+    let shear = |a: f64, b: f64| a.sin() + b.cos();
+    DVec3::new(shear(turn.z, turn.y), shear(turn.x, turn.z), shear(turn.y, turn.x)) / 3f64.sqrt()
+}
+
+/// A volume that is turned about x by a right angle, of a period of 1 / x[0].x, carried over x[0].y.
+fn carried(x: &Wide) -> Output {
+    let (frequency, way, p) = (x[0][0], x[0][1], xyz(x[2]));
+    let q = frequency * DVec3::new(p.x, p.z, -p.y) + xyz(x[1]);
+    let v = eddies(q);
+    let world = DVec3::new(v.x, -v.z, v.y);
+    three(p - way * (constant("noise", "LIFT") * DVec3::Y + constant("noise", "ROLL") * world))
+}
+
+fn place(random: &mut Random, size: f64) -> [f64; 3] {
+    [(); 3].map(|()| size * random.between(-1.0, 1.0))
+}
+
+fn flows() -> Vec<Twin> {
+    const FRAME: &str = "fn frame(x: array<vec4f, 8>) -> NoiseFrame {
+        var frame: NoiseFrame;
+        frame.coarse_x = vec4f(x[0].x, 0.0, 0.0, x[1].x);
+        frame.coarse_y = vec4f(0.0, 0.0, x[0].x, x[1].y);
+        frame.coarse_z = vec4f(0.0, -x[0].x, 0.0, x[1].z);
+        frame.flow = x[3];
+        return frame;
+    }";
+    vec![
+        Twin::new("noise_eddies", "noise", "return vec4f(noise_eddies(x[0].xyz), 0.0);", |x| {
+            three(eddies(xyz(x[0])))
+        })
+        .over("all", |random| {
+            let [a, b, c] = place(random, 1.0);
+            input([[a, b, c, 0.0]])
+        }),
+        Twin::new(
+            "noise_carried",
+            "noise",
+            "return vec4f(noise_carried(frame(x), x[2].xyz, x[0].y), 0.0);",
+            carried,
+        )
+        .declaring(FRAME)
+        .over("all", |random| {
+            let period = random.log(1.0, 1e4);
+            let ([a, b, c], [x, y, z]) = (place(random, 1.0), place(random, period));
+            let way = 0.25 * period * random.between(-0.5, 0.5);
+            input([[1.0 / period, way, 0.0, 0.0], [a, b, c, 0.0], [x, y, z, 0.0]])
+        }),
+        Twin::new("noise_is_still", "noise", "return vec4f(f32(noise_is_still(frame(x))));", |x| {
+            one(f64::from(u8::from(x[3] == [0.0; 4])))
+        })
+        .declaring(FRAME)
+        .over("all", any_flow),
+        Twin::new("noise_reads", "noise", "return vec4f(f32(noise_reads(frame(x))));", |x| {
+            one(if x[3] == [0.0; 4] { 2.0 } else { 4.0 })
+        })
+        .declaring(FRAME)
+        .over("all", any_flow),
+        Twin::new(
+            "noise_mixed",
+            "noise",
+            "return vec4f(noise_mixed(x[0].xy, x[0].zw, x[1].xy), 0.0, 0.0);",
+            |x| {
+                let sum = |i: usize| (x[1][0] * x[0][i] + x[1][1] * x[0][2 + i]).clamp(-1.0, 1.0);
+                two(sum(0), sum(1))
+            },
+        )
+        .over("all", |random| {
+            let mut noise = || random.between(-1.0, 1.0);
+            let values = [noise(), noise(), noise(), noise()];
+            let turn = noise() * std::f64::consts::PI;
+            input([values, [turn.sin().abs(), turn.cos().abs(), 0.0, 0.0]])
+        }),
+    ]
+}
+
+/// Often one that stands still.
+fn any_flow(random: &mut Random) -> Input {
+    let moving = random.index(2) as f64;
+    let flow = [(); 4].map(|()| moving * random.between(-1.0, 1.0));
+    input([[0.0; 4], [0.0; 4], [0.0; 4], flow])
 }
 
 /// Depths of lumps, weighted by their places in the list so that what is theirs is known again; the depth,

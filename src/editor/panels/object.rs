@@ -209,6 +209,7 @@ pub(super) fn noise_rows(form: &mut Form<'_>, noise: &mut Noise) {
     form.number("Noise.dimension", "Dimension", &mut noise.dimension, default.dimension);
     form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
     form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
+    form.slider("Noise.rate", "Renewals a minute", &mut noise.rate, default.rate, 0.0..=30.0);
 }
 
 /// Size of the largest billows that is offered where none was told, m.

@@ -45,10 +45,11 @@ pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
         placed.push((p, size));
         let half = 0.5 * growth.height * (0.3 + 0.6 * thick) * dice.between(0.75, 1.0);
         let half = half.min(0.9 * size);
-        // The base cuts its lower third off.
-        let radii = DVec3::new(size * dice.between(0.95, 1.3), 1.5 * half, size * dice.between(0.85, 1.1));
+        // A flat base cuts its lower third off.
+        let cut = if fill.open { 0.5 * half } else { 0.0 };
+        let radii = DVec3::new(size * dice.between(0.95, 1.3), half + cut, size * dice.between(0.85, 1.1));
         let lump = Lump {
-            center: p + DVec3::Y * 0.5 * half,
+            center: p + DVec3::Y * (half - cut),
             radii,
             turn: dice.yaw(),
             size,

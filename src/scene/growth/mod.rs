@@ -219,9 +219,10 @@ impl Growth {
         pile.into_lumps().iter().map(|lump| self.placed(lump, turn)).collect()
     }
 
-    /// Altitude of its flat base, metres; none where it is torn.
+    /// Altitude of its flat base, metres; none where it is torn, or rolls hang down from it.
     pub(super) fn level(&self) -> Option<f64> {
-        (self.kind != GrowthKind::Fractus).then_some(self.place.y)
+        let uneven = matches!(self.kind, GrowthKind::Fractus | GrowthKind::ClosedCells);
+        (!uneven).then_some(self.place.y)
     }
 
     /// Radius of the least lump of `usual` metres when all are there.

@@ -38,8 +38,8 @@ pub(super) const HUMILIS: Habit = Habit {
     foot: 0.3,
     flanks: (1, 3),
     waist: 0.34,
-    plumes: 24,
-    shelf: 0.36,
+    plumes: 36,
+    shelf: 0.42,
     broods: [brood(12, -0.25, 0.065), brood(9, -0.25, 0.065), brood(5, -0.2, 0.065)],
 };
 

@@ -82,7 +82,7 @@ fn make(kind: GrowthKind) -> Make {
             ..heap
         },
         GrowthKind::ClosedCells | GrowthKind::OpenCells => {
-            Make { concentration_per_cm3: 150.0, boundary: 0.12, wispiness: 0.25, billows: 0.4, ..heap }
+            Make { concentration_per_cm3: 150.0, boundary: 0.22, wispiness: 0.25, billows: 0.6, ..heap }
         }
     }
 }
