@@ -99,7 +99,7 @@ const EVEN: f32 = 0.3;
 
 // How much deeper below the hull each metre above the level of a cloud counts: noise moves its base by so much less
 // than its flanks.
-const LEVELLING: f32 = 4.0;
+const LEVELLING: f32 = 2.5;
 
 // Depth below the hull that the level of a cloud makes, at a height `y`, m.
 fn level_depth(body: Body, y: f32) -> f32 {

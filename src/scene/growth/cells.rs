@@ -16,7 +16,7 @@ pub(super) struct Fill {
     lump: f64,
 }
 
-pub(super) const CLOSED: Fill = Fill { spacing: 4.2, open: false, lump: 0.17 };
+pub(super) const CLOSED: Fill = Fill { spacing: 4.2, open: false, lump: 0.2 };
 pub(super) const OPEN: Fill = Fill { spacing: 5.0, open: true, lump: 0.12 };
 
 /// Places tried for lumps on the base.
@@ -116,7 +116,7 @@ impl Middles {
                 let wall = 0.75 * coverage;
                 (1.0 - inside / wall).min(1.0) * (1.25 - corner).clamp(0.45, 1.0)
             }
-            false => ((inside - 0.55 * (1.0 - coverage)) * 2.2).min(1.0),
+            false => ((inside - 0.45 * (1.0 - coverage)) * 2.2).min(1.0),
         }
     }
 }

@@ -81,9 +81,14 @@ fn make(kind: GrowthKind) -> Make {
             lee: 0.6,
             ..heap
         },
-        GrowthKind::ClosedCells | GrowthKind::OpenCells => {
-            Make { concentration_per_cm3: 150.0, boundary: 0.22, wispiness: 0.25, billows: 0.6, ..heap }
-        }
+        GrowthKind::ClosedCells | GrowthKind::OpenCells => Make {
+            concentration_per_cm3: 150.0,
+            boundary: 0.28,
+            wispiness: 0.25,
+            blend: 0.7,
+            billows: 0.7,
+            ..heap
+        },
     }
 }
 
