@@ -120,7 +120,7 @@ mod tests {
         let bounds = (DVec3::splat(-100.0), DVec3::splat(100.0));
         let noise = NoiseFrame::new(&Noise::default(), 100.0, DVec3::ZERO);
         let species = Species::of(&cloud.droplets).unwrap().uniform();
-        let body = BodyUniform::new(&cloud, bounds, noise, species, true);
+        let body = BodyUniform::new(&cloud, bounds, 0.0, noise, species, true);
         let grid = Grid::new(&ellipsoids, &[body], 4000);
         for i in 0..2000u32 {
             // A spiral through each ellipsoid's inside.
