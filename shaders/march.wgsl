@@ -124,7 +124,8 @@ fn shade(v: Varyings) -> Shade {
     let ray = LightRay(cloud.camera + seen_from_camera.origin, seen_from_camera.direction, cloud.to_sun,
         Region(v.first, v.count), medium_species(0u));
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    let opaque = opaque_before(cloud.opaque, light_glare(ray));
+    let species = ray.species;
+    let opaque = opaque_ahead(opaque_before(cloud.opaque, light_glare(ray)), light_ahead(species));
     let m = march(ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
     if m.transmittance >= 1.0 {
         return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
@@ -132,7 +133,7 @@ fn shade(v: Varyings) -> Shade {
     count(HITS, 1u);
     let seen = ray_seen(m.transmittance, m.optical_depth, opaque);
     let before_sun = PEAK && sees_disc(ray.direction, cloud.to_sun, cloud.sun_radius, camera.pixel);
-    let alpha = ray_alpha(seen, before_sun);
+    let alpha = ray_alpha(seen, light_transported(species), before_sun);
     let distance = ray_mean(m.distance, seen);
     let height = ray_height(m.height, cloud.top - cloud.base, seen);
     let normal = seen.share * m.normal;

@@ -1,15 +1,17 @@
-// What a cell of the field holds: mean extinction, and the share of the sun's beam that
+// What a cell of the field holds: mean extinction, and, as moments, the sun's beam that
 // reaches its droplets, from eight samples. One thread a cell.
-// @use field light_box medium
+// @use field harmonics light_box medium
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<uniform> sun: LightBox;
 @group(0) @binding(2) var linear: sampler;
 @group(0) @binding(3) var sun_volume: texture_3d<f32>;
-@group(0) @binding(4) var<storage, read_write> cells: array<FieldCell>;
+@group(0) @binding(4) var<storage, read_write> cells: array<f32>;
 // Lists of what is in each brick of the sun's volume.
 @group(0) @binding(5) var<storage, read> lists: array<Region>;
 @group(0) @binding(6) var<storage, read> candidates: array<u32>;
+// Moments of what is scattered of the light that is given, by light and cell.
+@group(0) @binding(7) var<storage, read_write> given: array<array<vec4f, 4>>;
 
 // Extinction without the forward peak.
 fn extinction_at(p: vec3f, list: Region, blur: f32) -> f32 {
@@ -37,5 +39,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         lit += extinction * through;
         open += through;
     }
-    cells[id.x] = field_cell(field, sum, lit, open);
+    let cell = field_cell(field, sum, lit, open);
+    cells[id.x] = cell.extinction;
+    if field.beam.w > 0.0 {
+        let beam = harmonics_with(array<vec4f, 4>(), cell.beam, field.beam.xyz);
+        given[id.x] = harmonics_scattered(beam, field.scattering);
+    }
 }

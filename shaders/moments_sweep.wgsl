@@ -4,7 +4,7 @@
 // @use characteristic field
 
 @group(0) @binding(0) var<uniform> field: Field;
-@group(0) @binding(1) var<storage, read> cells: array<FieldCell>;
+@group(0) @binding(1) var<storage, read> cells: array<f32>;
 // Unit vectors of propagation, and their weights, which add up to 4 pi.
 @group(0) @binding(2) var<storage, read> directions: array<vec4f>;
 // Radiance that enters the box, by light and direction.
@@ -36,7 +36,7 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
         for (var c = thread; c < size.x * size.y; c += THREADS) {
             let at = vec2u(c % size.x, c / size.x);
             let cell = plane + at.x * strides[u] + at.y * strides[v];
-            let here = cells[cell].extinction;
+            let here = cells[cell];
             let source_here = source[first + cell];
             // Interpolate what comes from the plane before.
             var up = vec3f(outside, 0.0, source_here);
@@ -51,7 +51,7 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
                     let inside = all(place >= vec2i(0)) && all(place < vec2i(size));
                     let held = vec2u(clamp(place, vec2i(0), vec2i(size) - 1));
                     let other = before + held.x * strides[u] + held.y * strides[v];
-                    let value = vec3f(radiance[first + other], cells[other].extinction, source[first + other]);
+                    let value = vec3f(radiance[first + other], cells[other], source[first + other]);
                     up += bilinear_weight(part, i) * select(vec3f(outside, 0.0, source_here), value, inside);
                 }
             }

@@ -78,7 +78,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "NoiseFrame",
-            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, amplitudes, scale, texels_per_metre, frequency),
+            layout!(NoiseFrame: coarse_x, coarse_y, coarse_z, fine_x, fine_y, fine_z, amplitudes, scale, texels_per_metre, frequency, flow, first, second),
         ),
         (
             "march",
@@ -95,9 +95,13 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "Body",
-            layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, uneven, table),
+            layout!(BodyUniform: noise, species, power, reach, base, inverse_height, stratification, dilution, level, uneven, table),
         ),
-        ("march", "Species", layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees)),
+        (
+            "march",
+            "Species",
+            layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees, ahead),
+        ),
         (
             "moments_sweep",
             "Field",

@@ -15,10 +15,15 @@ struct Body {
     stratification: f32,
     // Share of its droplets that the rim has lost.
     dilution: f32,
+    // Height in the frame below which there is none of it, m.
+    level: f32,
     // 1 where extinction changes behind the boundary, else 0.
     uneven: f32,
     // Place of its species among those of all clouds.
     table: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 // Extinction at a height over that at the top. In air that rises without mixing, liquid water grows like

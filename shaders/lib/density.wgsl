@@ -97,6 +97,15 @@ const DILUTED: f32 = 3.0;
 // Share of the depth, or of the height above the base, over which an uneven extinction is as good as even.
 const EVEN: f32 = 0.3;
 
+// How much deeper below the hull each metre above the level of a cloud counts: noise moves its base by so much less
+// than its flanks.
+const LEVELLING: f32 = 2.5;
+
+// Depth below the hull that the level of a cloud makes, at a height `y`, m.
+fn level_depth(body: Body, y: f32) -> f32 {
+    return LEVELLING * (y - body.level);
+}
+
 // Share of the droplets that are left at a `depth` below the displaced boundary.
 fn undiluted(dilution: f32, depth: f32, boundary: f32) -> f32 {
     return 1.0 - dilution * (1.0 - smooth_rise(depth / ((DILUTED - 1.0) * max(boundary, LEAST_RISE))));
@@ -104,9 +113,13 @@ fn undiluted(dilution: f32, depth: f32, boundary: f32) -> f32 {
 
 // What is at a height `y` at an edge that noise has yet to displace; `blur` is the width of a
 // pixel, m: edges that it could not show are widened to it, about their middle, so that no matter is lost.
-fn matter_below(body: Body, index: u32, edge: Edge, y: f32, noise: vec2f, blur: f32) -> Matter {
+fn matter_below(body: Body, index: u32, hull: Edge, y: f32, noise: vec2f, blur: f32) -> Matter {
+    let low = level_depth(body, y);
+    // Metres of depth by metre of way.
+    let steepness = select(1.0, LEVELLING, low < hull.depth);
+    let edge = Edge(min(hull.depth, low), hull.extinction, hull.boundary, hull.wispiness);
     let rise = edge_rise(edge);
-    let width = max(rise, blur);
+    let width = max(rise, steepness * blur);
     let d = displaced_depth(edge, rise, noise) + 0.5 * (width - rise);
     let height = y - body.base;
     let profile = height_profile(height * body.inverse_height, body.stratification);
@@ -114,7 +127,7 @@ fn matter_below(body: Body, index: u32, edge: Edge, y: f32, noise: vec2f, blur: 
     let extinction = edge.extinction * profile * kept * smooth_rise(d / width);
     let inside = d - select(width, max(width, (DILUTED - 1.0) * edge.boundary), body.dilution > 0.0);
     let even = select(inside, min(inside, EVEN * min(edge.depth, max(height, 0.0))), body.uneven > 0.0);
-    return Matter(extinction, d, max(-d, even), 0.0, index);
+    return Matter(extinction, d, max(-d, even) / steepness, 0.0, index);
 }
 
 // What is deep in a cloud, at a height `y`.

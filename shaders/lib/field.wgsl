@@ -68,11 +68,15 @@ fn field_length(field: Field) -> f32 {
     return 1.0 / max(d.x / field.cell.x + d.y / field.cell.y + d.z / field.cell.z, 1e-12);
 }
 
+// Optical thickness of a cell, the cube of its volume, beyond which it is no darker: light gets into neither.
+const THICKEST: f32 = 3.0;
+
 // A cell from sums over eight points: of the extinction without the forward peak, of that times what
 // reaches it of the beam, and of the latter alone. No more light is scattered in a cell than comes in by
 // its face. Eight points of a thick cell may see too much of it.
 fn field_cell(field: Field, extinction: f32, lit: f32, open: f32) -> FieldCell {
-    let mean = 0.125 * (1.0 - field.truncated) * extinction;
+    let edge = pow(field.cell.x * field.cell.y * field.cell.z, 1.0 / 3.0);
+    let mean = min(0.125 * (1.0 - field.truncated) * extinction, THICKEST / edge);
     let most = mean_through(field_length(field) * mean);
     return FieldCell(mean, select(0.125 * open, min(lit / extinction, most), extinction > 0.0));
 }

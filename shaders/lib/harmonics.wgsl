@@ -44,7 +44,21 @@ fn harmonics_sum(moments: array<vec4f, 4>, d: vec3f) -> f32 {
         + dot(moments[2], harmonics_mixed(d)) + dot(moments[3], harmonics_cubic(d));
 }
 
-// The same from those of degree 0 and 1 alone.
-fn harmonics_low_sum(moments: vec4f, d: vec3f) -> f32 {
-    return dot(moments, harmonics_low(d));
+// How that light changes with the coordinates of the direction, each harmonic taken as the polynomial
+// that it is above.
+fn harmonics_gradient(moments: array<vec4f, 4>, d: vec3f) -> vec3f {
+    let x = d.x;
+    let y = d.y;
+    let z = d.z;
+    let m = moments;
+    let squares = 1.0925484 * vec3f(m[1].x * y + m[1].z * z, m[1].x * x + m[1].y * z, m[1].y * y + m[1].z * x)
+        + vec3f(0.0, 0.0, 1.8923494 * m[1].w * z) + 1.0925484 * m[2].x * vec3f(x, -y, 0.0);
+    let three = x * x - y * y;
+    let five = 5.0 * z * z - 1.0;
+    let cubes = 1.7701308 * (m[2].y * vec3f(2.0 * x * y, three, 0.0) + m[3].w * vec3f(three, -2.0 * x * y, 0.0))
+        + 2.8906114 * m[2].z * vec3f(y * z, x * z, x * y)
+        + 0.45704580 * (m[2].w * vec3f(0.0, five, 10.0 * y * z) + m[3].y * vec3f(five, 0.0, 10.0 * x * z))
+        + vec3f(0.0, 0.0, 1.1195295 * m[3].x * five)
+        + 1.4453057 * m[3].z * vec3f(2.0 * x * z, -2.0 * y * z, three);
+    return 0.48860251 * m[0].yzw + squares + cubes;
 }

@@ -12,6 +12,11 @@ fn opaque_before(opaque: f32, glare: f32) -> f32 {
     return opaque / (1.0 + 10.0 * glare);
 }
 
+// The same of what a model of light sees that takes the share `ahead` of the extinction as going straight on.
+fn opaque_ahead(opaque: f32, ahead: f32) -> f32 {
+    return pow(opaque, 1.0 - ahead);
+}
+
 // A ray that is as good as opaque is: nothing gets through, and the little light that was not
 // gathered is like what was.
 fn ray_seen(transmittance: f32, optical_depth: f32, opaque: f32) -> RaySeen {
@@ -20,10 +25,16 @@ fn ray_seen(transmittance: f32, optical_depth: f32, opaque: f32) -> RaySeen {
         select(1.0, 1.0 / (1.0 - transmittance), closed));
 }
 
-// What is lost of the light behind: that of the forward peak is not lost to a smooth background, but it
-// is to the sun's disc: there, and only there, all that was scattered is gone.
-fn ray_alpha(seen: RaySeen, before_sun: bool) -> f32 {
-    return select(seen.opacity, 1.0 - exp(-seen.optical_depth), before_sun);
+// How much more of a ray is opaque to diffuse light, that comes from all sides, than to light that may go
+// straight on as a model has it: both are near 1 where nothing gets through.
+fn opacity_ratio(seen: RaySeen, transported: f32) -> f32 {
+    return (1.0 - exp(-transported * seen.optical_depth)) / seen.opacity;
+}
+
+// What is lost of the light behind. That of the forward peak, all but the share `transported`, is not lost
+// to a smooth background, but it is to the sun's disc: there, and only there, all that was scattered is gone.
+fn ray_alpha(seen: RaySeen, transported: f32, before_sun: bool) -> f32 {
+    return 1.0 - exp(-select(transported, 1.0, before_sun) * seen.optical_depth);
 }
 
 // Whether the pixel in direction `d` shows any of the sun's disc of angular `radius`, rad, which is drawn

@@ -12,6 +12,11 @@ struct Species {
     similarity: f32,
     // Legendre moments of the phase function over those of the slab tables', degree 0 to 3.
     degrees: vec4f,
+    // Share of the extinction without the peak that light solved for on a grid takes as going straight
+    // on (delta-M).
+    ahead: f32,
+    padding_ahead: f32,
+    padding: vec2f,
 }
 
 // Share of the extinction that transport sees.

@@ -15,8 +15,12 @@ fn light_glare(ray: LightRay) -> f32 {
     return 0.0;
 }
 
-fn light_truncates() -> bool {
-    return false;
+fn light_transported(species: Species) -> f32 {
+    return 1.0;
+}
+
+fn light_ahead(species: Species) -> f32 {
+    return 0.0;
 }
 
 fn light_reads_nodes() -> bool {

@@ -33,3 +33,8 @@ fn diffuse_node(sum: vec3f, ray: LightRay, node: Node) -> vec3f {
 fn diffuse_light(sum: vec3f, seen: RaySeen, lights: Lights) -> vec3f {
     return weighted_lights(sum * seen.share, lights);
 }
+
+// Nothing but the peak is taken as going straight on.
+fn light_ahead(species: Species) -> f32 {
+    return 0.0;
+}

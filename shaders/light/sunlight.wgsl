@@ -26,10 +26,11 @@ fn sun_phase(ray: LightRay) -> SunPhase {
         textureSampleLevel(phase_table, linear, vec2f(u, 0.75), 0.0).rgb);
 }
 
-// What a ray sees of sunlight scattered once, with the peak's recovered.
+// What a ray sees of sunlight scattered once, with the peak's recovered. What a model takes as going
+// straight on scatters all the same.
 fn sun_single(sum: SunSum, ray: LightRay, seen: RaySeen, irradiance: vec3f) -> vec3f {
     let phase = sun_phase(ray);
-    var single = sun_scattered(sum, phase, seen);
+    var single = sun_scattered(sum, phase, seen) / (1.0 - light_ahead(ray.species));
     if PEAK {
         single += sun_recovered(sum, phase, ray.species.truncated, seen);
     }
@@ -49,6 +50,6 @@ fn light_glare(ray: LightRay) -> f32 {
     return sun_phase(ray).peak.g;
 }
 
-fn light_truncates() -> bool {
-    return true;
+fn light_transported(species: Species) -> f32 {
+    return transported(species);
 }

@@ -8,7 +8,8 @@ const SPARE_STEPS: u32 = 256u;
 
 // Share of the extinction of a body that the model of light sees.
 fn kept_of(body: u32) -> f32 {
-    return select(1.0, transported(medium_species(body)), light_truncates());
+    let species = medium_species(body);
+    return light_transported(species) * (1.0 - light_ahead(species));
 }
 
 fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {

@@ -56,8 +56,8 @@ fn cloud_at(p: vec3f, direction: vec3f, footprint: f32, blur: f32, share: f32) -
     }
     let body = bodies[0];
     var noise = vec2f(0.0);
-    if share > 0.0 {
-        count(NOISE_READS, 2u);
+    if share > 0.0 && p.y > body.level {
+        count(NOISE_READS, noise_reads(body.noise));
         noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
     }
     return matter_below(body, 0u, depth_edge(volume_frame, texel), p.y, noise, blur);

@@ -51,8 +51,8 @@ fn cloud_at(index: u32, lumps: Lumps, p: vec3f, footprint: f32, blur: f32, share
     }
     let body = bodies[index];
     var noise = vec2f(0.0);
-    if share > 0.0 {
-        count(NOISE_READS, 2u);
+    if share > 0.0 && p.y > body.level {
+        count(NOISE_READS, noise_reads(body.noise));
         noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
     }
     return matter_below(body, index, lumps_edge(lumps, body.power, body.reach), p.y, noise, blur);

@@ -83,7 +83,7 @@ impl Media {
     pub fn plan<'a>(&mut self, media: impl Iterator<Item = &'a Medium>) {
         for medium in media.filter(|medium| medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)) {
             let has_room = self.bytes() < MOST_BYTES;
-            let planned = || match Plan::new(&medium.ellipsoids).filter(|_| has_room) {
+            let planned = || match Plan::new(&medium.ellipsoids, medium.body.level).filter(|_| has_room) {
                 Some(plan) => Volume::Planned(Box::new(plan)),
                 None => Volume::Unsuited,
             };

@@ -35,7 +35,7 @@ impl Quality {
         lit_at_once: 0.1,
         light_nodes: 2,
         light_resolution: 32,
-        light_cells: 16,
+        light_cells: 24,
         max_steps: 128,
         jitter: true,
     };
@@ -48,7 +48,7 @@ impl Quality {
         lit_at_once: 0.05,
         light_nodes: 3,
         light_resolution: 64,
-        light_cells: 24,
+        light_cells: 48,
         max_steps: 256,
         jitter: true,
     };
@@ -61,7 +61,7 @@ impl Quality {
         lit_at_once: 0.03,
         light_nodes: 8,
         light_resolution: 128,
-        light_cells: 32,
+        light_cells: 64,
         max_steps: 768,
         jitter: false,
     };

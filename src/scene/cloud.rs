@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::{At, Limits};
+use super::validate::{At, COORDINATE, Limits};
 use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Life, Noise, union};
 use crate::Result;
 
@@ -33,6 +33,11 @@ pub struct Cloud {
     /// to 1 (one smooth body), no unit.
     #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub blend: f64,
+    /// Altitude at which vapour condenses, metres: nothing of the cloud is below, and its base is flat. Left out where
+    /// its ellipsoids end by themselves; a cloud that grows has that of its `growth.place`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max), extend("unit" = COORDINATE.unit))]
+    pub level: Option<f64>,
     /// How much of the growth of density with height it has, 0 (the same all over) to 1 (as in air that
     /// rises without mixing: extinction grows as the height above the base to the 2/3, and is that of the
     /// droplets at the top), no unit.
@@ -68,6 +73,7 @@ impl Default for Cloud {
             droplets: Droplets::default(),
             edge: Edge::default(),
             blend: 0.5,
+            level: None,
             stratification: 0.0,
             dilution: 0.0,
             evaporation: Evaporation::default(),
@@ -91,6 +97,7 @@ impl Cloud {
     pub fn grow(&mut self) {
         if let Some(growth) = &self.growth {
             self.ellipsoids = growth.ellipsoids();
+            self.level = growth.level();
         }
     }
 
@@ -109,13 +116,19 @@ impl Cloud {
                 growth.place += offset;
                 self.grow();
             }
-            None => self.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += offset),
+            None => {
+                self.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center += offset);
+                self.level = self.level.map(|level| level + offset.y);
+            }
         }
     }
 
-    /// Exact axis-aligned bounds of all ellipsoids, metres; `None` without ellipsoids.
+    /// Exact axis-aligned bounds of all ellipsoids above its level, metres; `None` without ellipsoids.
     pub fn bounds(&self) -> Option<Bounds> {
-        self.ellipsoids.iter().map(Ellipsoid::bounds).reduce(union)
+        let (mut low, high) = self.ellipsoids.iter().map(Ellipsoid::bounds).reduce(union)?;
+        // All of it may be below.
+        low.y = self.level.map_or(low.y, |level| low.y.max(level.min(high.y)));
+        Some((low, high))
     }
 
     /// The ellipsoids that pictures show.
@@ -152,6 +165,9 @@ impl Cloud {
             growth.check(at.field("growth"))?;
         }
         at.field("blend").number(self.blend, SHARE)?;
+        if let Some(level) = self.level {
+            at.field("level").number(level, COORDINATE)?;
+        }
         at.field("stratification").number(self.stratification, SHARE)?;
         at.field("dilution").number(self.dilution, SHARE)?;
         self.evaporation.check(at.field("evaporation"))?;

@@ -13,7 +13,7 @@ const SHARE: Limits = Limits::new(0.0, 1.0, "");
 /// Height up to which a base evaporates, as a share of the cloud's.
 const BASE: f64 = 0.35;
 /// How much thicker the boundary is where all of it is a veil.
-const THICKER: f64 = 0.8;
+const THICKER: f64 = 0.4;
 
 /// How much of a cloud's edge has turned to wisps, side by side with its crisp ones.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

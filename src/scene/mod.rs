@@ -36,7 +36,7 @@ pub use evaporation::Evaporation;
 pub use file::schema;
 pub use growth::{Growth, GrowthKind};
 pub use life::Life;
-pub use noise::Noise;
+pub use noise::{Noise, Renewed};
 #[cfg(feature = "measure")]
 pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};

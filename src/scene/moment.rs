@@ -14,9 +14,9 @@
 use glam::DVec3;
 
 use super::life::{self, smooth};
-use super::timeline::{self, Curve};
+use super::timeline::{self, Curve, Owner, Place};
 use super::validate::At;
-use super::{Camera, Cloud, Ellipsoid, Evaporation, Scene};
+use super::{Camera, Cloud, Ellipsoid, Evaporation, Noise, Scene};
 use crate::Result;
 
 impl Scene {
@@ -102,8 +102,33 @@ impl Scene {
         self.timeline.as_ref().and_then(super::Timeline::period)
     }
 
+    /// Noises as far as their rates have brought them at the scene's own time.
+    fn renew_noises(&mut self) {
+        let rates = self.rates();
+        let (time, period) = (self.time, self.period());
+        let curve = |owner: Owner| rates.iter().find(|(of, _)| *of == owner).map(|(_, curve)| curve);
+        self.noise.renew(curve(Owner::Scene), time, period);
+        for (i, cloud) in self.clouds.iter_mut().enumerate() {
+            if let Some(noise) = &mut cloud.noise {
+                noise.renew(curve(Owner::Cloud(i)), time, period);
+            }
+        }
+    }
+
+    /// The curves of rates of noises, and whose those are.
+    fn rates(&self) -> Vec<(Owner, Curve)> {
+        let Some(timeline) = &self.timeline else { return Vec::new() };
+        let of_rates = timeline.tracks.iter().filter(|track| track.path.ends_with("noise.rate"));
+        let found = of_rates.filter_map(|track| {
+            let owner = Place::find(&track.path, self).ok()?.owner;
+            Some((owner, timeline.curve(&track.path)?))
+        });
+        found.collect()
+    }
+
     /// Clouds as they have become and where the wind has brought them at the scene's own time.
     fn let_live_and_drift(&mut self) {
+        self.renew_noises();
         let (time, period) = (self.time, self.period());
         let wind = Drift::of(self);
         let since_start = |time: f64| wind.since_start(time);
@@ -162,6 +187,26 @@ impl Shear {
     }
 }
 
+impl Noise {
+    /// Brings it as far as its rate, or the `curve` of that, has brought it at `time`, s. Loops of `period` seconds
+    /// have a whole number of renewals.
+    fn renew(&mut self, curve: Option<&Curve>, time: f64, period: Option<f64>) {
+        let until = |time: f64| curve.map_or(self.rate * time, |curve| curve.integral(time)) / 60.0;
+        let mut times = until(time);
+        let all = period.map_or(0.0, until);
+        if all.abs() > NO_RENEWAL {
+            let whole = all.round().abs().max(1.0);
+            times *= whole / all.abs();
+            self.renewed.round = whole as u32;
+        }
+        self.renewed.times += times;
+        self.rate = 0.0;
+    }
+}
+
+/// Renewals of a loop that are none: what rounding leaves of rates that go there and back.
+const NO_RENEWAL: f64 = 1e-9;
+
 /// How far the wind carries what drifts with it.
 struct Drift {
     /// By axis: m/s over time, where they have a track.
@@ -207,6 +252,7 @@ impl Cloud {
     /// Carries it by `drift`, m, and its own noise with it.
     fn blow(&mut self, drift: DVec3) {
         blow(&mut self.ellipsoids, drift);
+        self.level = self.level.map(|level| level + drift.y);
         if let Some(noise) = &mut self.noise {
             noise.offset += drift;
         }

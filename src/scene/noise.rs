@@ -9,6 +9,8 @@ use super::validate::{At, COORDINATE, Limits};
 use crate::Result;
 
 const SCALE: Limits = Limits::new(0.1, 1e5, "metres");
+const RATE: Limits = Limits::new(-600.0, 600.0, "per minute");
+const TIMES: Limits = Limits::new(-1e6, 1e6, "");
 const DETAIL: Limits = Limits::new(0.0, 1.0, "");
 const DIMENSION: Limits = Limits::new(2.0, 2.9, "");
 /// Size of the largest billows where none is told, as a share of the cloud's size.
@@ -46,6 +48,35 @@ pub struct Noise {
     /// Animate it to let the edges boil.
     #[schemars(range(min = COORDINATE.min, max = COORDINATE.max), extend("unit" = COORDINATE.unit))]
     pub evolution: f64,
+    /// How often a minute its billows make way for others while they rise and roll, -600 to 600: 0 stands still, less
+    /// than 0 sinks. Real ones of a hundred metres last for some minutes, in time-lapse for seconds.
+    #[serde(skip_serializing_if = "is_still")]
+    #[schemars(range(min = RATE.min, max = RATE.max), extend("unit" = RATE.unit))]
+    pub rate: f64,
+    /// How far it has come at the scene's start; left out where that is the beginning.
+    #[serde(skip_serializing_if = "Renewed::is_none")]
+    pub renewed: Renewed,
+}
+
+/// How often billows have made way for others.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Renewed {
+    /// So often since it was as noise that stands still, -1000000 to 1000000, no unit.
+    #[schemars(range(min = TIMES.min, max = TIMES.max))]
+    pub times: f64,
+    /// After so many it is as it was at the start; never where 0.
+    pub round: u32,
+}
+
+impl Renewed {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+fn is_still(rate: &f64) -> bool {
+    *rate == 0.0
 }
 
 impl Default for Noise {
@@ -58,6 +89,8 @@ impl Default for Noise {
             offset: DVec3::ZERO,
             rotation: DQuat::IDENTITY,
             evolution: 0.0,
+            rate: 0.0,
+            renewed: Renewed::default(),
         }
     }
 }
@@ -77,6 +110,8 @@ impl Noise {
         at.field("dimension").number(self.dimension, DIMENSION)?;
         at.field("offset").position(self.offset)?;
         at.field("rotation").rotation(self.rotation)?;
-        at.field("evolution").number(self.evolution, COORDINATE)
+        at.field("evolution").number(self.evolution, COORDINATE)?;
+        at.field("rate").number(self.rate, RATE)?;
+        at.field("renewed").field("times").number(self.renewed.times, TIMES)
     }
 }

@@ -24,7 +24,9 @@ pub struct Compiled {
 /// The entry function `entry` of linked WGSL for these overrides.
 pub fn compiled(source: &str, entry: &str, overrides: &[(&str, f64)]) -> Compiled {
     let module = nephos::gpu::validate(source).unwrap();
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap();
+    let info = Validator::new(ValidationFlags::all(), Capabilities::SHADER_FLOAT16_IN_FLOAT32)
+        .validate(&module)
+        .unwrap();
     let stage = module.entry_points.iter().find(|point| point.name == entry).unwrap().stage;
     let constants = overrides.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let mut module =

@@ -57,6 +57,8 @@ pub fn edge_at(cloud: &Cloud, p: DVec3) -> Option<Edge> {
 pub fn extinction_at(cloud: &Cloud, noise: f64, p: DVec3) -> f64 {
     let Some(edge) = edge_at(cloud, p) else { return 0.0 };
     let [billows, wisps] = constants("density", "RISE")[..] else { panic!("of billows and of wisps") };
+    let low = constant("density", "LEVELLING") * cloud.level.map_or(f64::INFINITY, |level| p.y - level);
+    let edge = Edge { depth: edge.depth.min(low), ..edge };
     let rise = (edge.boundary * (billows + (wisps - billows) * edge.wispiness)).max(1e-3);
     let depth = edge.depth - 0.5 * (edge.boundary - rise).max(0.0) * (1.0 - noise);
     let (low, high) = cloud.bounds().expect("there is a lump");

@@ -156,12 +156,24 @@ fn droplets() -> impl Strategy<Value = Droplets> {
 
 fn cloud() -> impl Strategy<Value = Cloud> {
     let place = (direction(), 0.0..1000.0);
-    let body = (0.0..=1.0, share(), share(), proptest::option::weighted(0.25, noise()));
+    let level = proptest::option::weighted(0.25, -200.0..100.0f64);
+    let body = (0.0..=1.0, share(), share(), proptest::option::weighted(0.25, noise()), level);
     (proptest::collection::vec(ellipsoid(), 1..6), droplets(), edge(), place, body).prop_map(
-        |(mut ellipsoids, droplets, edge, (way, out), (blend, stratification, dilution, noise))| {
-            let middle = 1500.0 * DVec3::Y + out * way;
+        |(mut ellipsoids, droplets, edge, (way, out), (blend, stratification, dilution, noise, level))| {
+            let middle: DVec3 = 1500.0 * DVec3::Y + out * way;
             ellipsoids.iter_mut().for_each(|e| e.center += middle);
-            Cloud { ellipsoids, droplets, edge, blend, stratification, dilution, noise, ..Cloud::default() }
+            let level = level.map(|above| middle.y + above);
+            Cloud {
+                ellipsoids,
+                droplets,
+                edge,
+                blend,
+                level,
+                stratification,
+                dilution,
+                noise,
+                ..Cloud::default()
+            }
         },
     )
 }

@@ -180,6 +180,51 @@ fn pair() -> Scene {
     scene
 }
 
+#[test]
+fn noise_that_is_renewed_changes_steadily_and_keeps_its_share_of_the_picture() {
+    let mut scene = alone(&pair(), 0);
+    scene.clouds[0].noise.as_mut().unwrap().rate = 60.0;
+    scene.clouds[0].ellipsoids.iter_mut().for_each(|e| e.center.x += 400.0);
+    // Steps of 1/16 of a renewal, over ends of both phases and the beginning.
+    let mut renderer = renderer(still(Quality::PREVIEW), Transport::SINGLE);
+    let mut drawn = |i: u32| draw(&mut renderer, &scene.at(f64::from(i) / 16.0).unwrap(), [60, 40], false);
+    let frames: Vec<Picture> = (0..=20).map(&mut drawn).collect();
+    let between = |a: &Picture, b: &Picture| {
+        let squares = a.pixels.iter().zip(&b.pixels).map(|(a, b)| f64::from(a[3] - b[3]).powi(2));
+        (squares.sum::<f64>() / a.pixels.len() as f64).sqrt()
+    };
+    let steps: Vec<f64> = frames.windows(2).map(|pair| between(&pair[0], &pair[1])).collect();
+    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+    assert!(mean > 1e-3, "it moves: {mean}");
+    assert!(steps.iter().all(|step| *step < 1.6 * mean && *step > 0.5 * mean), "{mean}: {steps:?}");
+    let cover = |frame: &Picture| frame.pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
+    let covers: Vec<f64> = frames.iter().map(cover).collect();
+    let usual = covers.iter().sum::<f64>() / covers.len() as f64;
+    assert!(covers.iter().all(|cover| (cover / usual - 1.0).abs() < 0.1), "{usual}: {covers:?}");
+}
+
+#[test]
+fn nothing_of_a_cloud_is_below_its_level_and_its_base_is_level() {
+    let mut ball = alone(&pair(), 0);
+    ball.clouds[0].ellipsoids.truncate(1);
+    let e = &mut ball.clouds[0].ellipsoids[0];
+    (e.center, e.radii) = (DVec3::new(0.0, 1010.0, 0.0), DVec3::splat(100.0));
+    ball.clouds[0].edge = nephos::scene::Edge { boundary: 12.0, wispiness: 0.0 };
+    ball.clouds[0].droplets.concentration_per_cm3 = 300.0;
+    ball.clouds[0].level = Some(1010.0);
+    for from in [1, u32::MAX] {
+        let mut renderer = renderer(still(Quality::PREVIEW), Transport::SINGLE);
+        renderer.settings.bake_from = from;
+        // Pixels are 1.1 m.
+        let picture = draw(&mut renderer, &ball, [20, 200], false);
+        let alpha = |row: usize| picture.pixels[row * 20 + 10][3];
+        assert!((101..200).all(|row| alpha(row) == 0.0), "{from}");
+        // Noise moves it by a quarter of what it moves flanks by.
+        let thin: Vec<_> = (25..95).map(|row| (row, alpha(row))).filter(|(_, alpha)| *alpha < 0.9).collect();
+        assert!(thin.is_empty(), "{from}: {thin:?}");
+    }
+}
+
 /// The scene with one of its clouds alone.
 fn alone(scene: &Scene, number: usize) -> Scene {
     Scene { clouds: vec![scene.clouds[number].clone()], ..scene.clone() }

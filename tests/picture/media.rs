@@ -72,10 +72,12 @@ fn a_baked_cloud_looks_like_its_ellipsoids() {
 }
 
 #[test]
-fn a_baked_heap_that_is_blended_stratified_and_diluted_looks_like_its_ellipsoids() {
+fn a_baked_heap_that_is_blended_stratified_diluted_and_flat_below_looks_like_its_ellipsoids() {
     let mut heap = heap(300, r#"{"boundary": 20, "wispiness": 0.2}"#);
     let cloud = &mut heap.clouds[0];
     (cloud.blend, cloud.stratification, cloud.dilution) = (0.9, 1.0, 0.5);
+    let (low, high) = cloud.bounds().unwrap();
+    cloud.level = Some(0.8 * low.y + 0.2 * high.y);
     cloud.droplets.concentration_per_cm3 = 40.0;
     let mut drawn = [u32::MAX, 1].map(|from| {
         let mut renderer = baking(from, Transport::SINGLE);

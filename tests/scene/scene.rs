@@ -208,6 +208,11 @@ const BAD: &[(&str, &str, &str)] = &[
         "clouds[0].stratification",
         "-1 is out of range: expected 0 to 1",
     ),
+    (
+        r#"{"clouds":[{"level":1e9}]}"#,
+        "clouds[0].level",
+        "1000000000 is out of range: expected -10000000 to 10000000 metres",
+    ),
     (r#"{"clouds":[{"dilution":2}]}"#, "clouds[0].dilution", "2 is out of range: expected 0 to 1"),
     (r#"{"noise":[7]}"#, "noise", "found a list, expected an object"),
     (r#"{"clouds":{}}"#, "clouds", "found an object, expected a list"),
@@ -463,7 +468,9 @@ prop_compose! {
         let [blend, stratification, dilution] = shares;
         let noise = Noise { seed, scale, dimension, offset: DVec3::splat(time), ..Noise::default() };
         let noise = own.then_some(noise);
-        let mut cloud = Cloud { ellipsoids, blend, stratification, dilution, noise, ..Cloud::default() };
+        let level = own.then_some(time);
+        let mut cloud =
+            Cloud { ellipsoids, blend, level, stratification, dilution, noise, ..Cloud::default() };
         cloud.droplets.phase = Phase::HenyeyGreenstein { g };
         scene.clouds.push(cloud);
         scene

@@ -66,9 +66,12 @@ fn every_combination_of_overrides_validates() {
     for (name, source) in ENTRY_POINTS {
         for text in linked(source) {
             let module = validate(&text).unwrap();
-            let info = valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
-                .validate(&module)
-                .unwrap();
+            let info = valid::Validator::new(
+                valid::ValidationFlags::all(),
+                valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32,
+            )
+            .validate(&module)
+            .unwrap();
             let names: Vec<_> = module.overrides.iter().map(|(_, o)| o.name.clone().unwrap()).collect();
             let all = 1u32 << names.len();
             // One by one and all but one where there are many.

@@ -406,6 +406,29 @@ fn wind_that_changes_carries_by_its_integral() {
 }
 
 #[test]
+fn noise_is_renewed_by_the_integral_of_its_rate_and_a_whole_number_of_times_in_a_loop() {
+    let times = |scene: &Scene, time: f64| scene.at(time).unwrap().noise.renewed;
+    let mut steady = scene(Vec::new());
+    steady.noise.rate = 6.0;
+    assert!((times(&steady, 5.0).times - 0.5).abs() < 1e-12);
+    let keys = [key(0.0, 0.0, Interpolation::Linear), key(10.0, 12.0, Interpolation::Linear)];
+    let faster = scene(vec![track("noise.rate", &keys)]);
+    // 12 a minute after 10 s: half of that for 10 s.
+    assert!((times(&faster, 10.0).times - 1.0).abs() < 1e-9, "{:?}", times(&faster, 10.0));
+    let moment = faster.at(5.0).unwrap();
+    assert_eq!((moment.noise.rate, moment.at(0.0).unwrap().noise), (0.0, moment.noise.clone()));
+    let mut looped = looping();
+    looped.noise.rate = 17.0;
+    let length = looped.timeline.as_ref().unwrap().length;
+    let (whole, round) = (17.0 * length / 60.0, times(&looped, 0.5 * length));
+    assert_eq!(f64::from(round.round), whole.round().max(1.0));
+    assert!((round.times - 0.5 * f64::from(round.round)).abs() < 1e-9);
+    assert_eq!(times(&looped, length), times(&looped, 0.0));
+    looped.clouds[0].noise = Some(Noise { rate: 40.0, ..Noise::default() });
+    assert!(looped.at(0.3).unwrap().clouds[0].noise.as_ref().unwrap().renewed.times > 0.0);
+}
+
+#[test]
 fn without_a_timeline_a_moment_is_the_scene_carried_by_the_wind() {
     let scene = heap();
     let moment = scene.at(30.0).unwrap();

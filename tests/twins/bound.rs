@@ -34,10 +34,13 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("march", "quad beauty layers normals cost"),
             ("mips", "main"),
             ("moments_entering", "main"),
+            ("moments_keep", "main"),
             ("moments_medium", "main"),
+            ("moments_prolong", "main"),
+            ("moments_restrict", "main"),
             ("moments_scatter", "main"),
-            ("moments_store", "main"),
             ("moments_sweep", "main"),
+            ("moments_view", "main"),
             ("multiple_scattering", "main"),
             ("path", "main"),
             ("resolve", "vertex fragment"),
@@ -57,6 +60,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("march", "sun_at drawn_distance"),
             ("moments_entering", "radiance_from"),
             ("moments_medium", "extinction_at"),
+            ("moments_view", "moments_at"),
             ("path", "sky_from"),
             ("path_medium", "table_at albedo peak_share phase phase_green"),
             ("path_walk", "sun_at"),
@@ -78,7 +82,9 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
     (
         "sums over samples, cells, rays, orders or ellipsoids, each of which the library weighs",
         &[
-            ("moments_scatter", "gathered interpolated"),
+            ("moments_prolong", "interpolated"),
+            ("moments_restrict", "averaged"),
+            ("moments_scatter", "gathered"),
             ("multiple_scattering", "orders_along"),
             ("sky_volume", "optical_depth_along"),
             ("sun_maps", "shadow_of_others others_with others_all"),
@@ -105,15 +111,15 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
     (
         "a model of light: which functions of the library it takes for a piece, a node and a ray",
         &[
-            ("openness", "diffuse_weights diffuse_node diffuse_light"),
+            ("openness", "diffuse_weights diffuse_node diffuse_light light_ahead"),
             ("slab_maps", "slab_ray"),
             ("slab_nodes", "light_begin light_reads_nodes light_piece light_node light_ray"),
             ("slab_surface", "light_begin light_reads_nodes light_piece light_node light_ray"),
-            ("sunlight", "sun_single light_truncates"),
+            ("sunlight", "sun_single light_transported"),
             (
                 "light",
-                "light_begin light_glare light_truncates light_reads_nodes light_sun_depth light_piece light_node
-                 light_ray multiple_source source_of_sun source_of_sky",
+                "light_begin light_glare light_transported light_ahead light_reads_nodes light_sun_depth light_piece
+                 light_node light_ray multiple_source source_of_sun",
             ),
         ],
     ),

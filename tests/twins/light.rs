@@ -26,7 +26,7 @@ fn light(random: &mut Random, beside: f64) -> [f64; 4] {
 /// Sun, sky, ground and horizon, with truncated share, albedo and opacity beside them.
 const LIGHTS: &str = "
     fn lights(x: array<vec4f, 8>) -> Lights { return Lights(x[0].xyz, x[1].xyz, x[3].xyz, x[2].xyz); }
-    fn kind(x: array<vec4f, 8>) -> Species { return Species(x[0].w, 0.7, x[1].w, 1.0, vec4f(1.0)); }";
+    fn kind(x: array<vec4f, 8>) -> Species { return Species(x[0].w, 0.7, x[1].w, 1.0, vec4f(1.0), 0.0, 0.0, vec2f(0.0)); }";
 
 fn lit(random: &mut Random) -> Input {
     let share = [(); 3].map(|()| random.between(0.0, 0.99));
@@ -67,7 +67,7 @@ fn outside() -> Vec<Twin> {
         Twin::new(
             "octave_light",
             "octave",
-            "return vec4f(octave_light(Species(0.4, x[0].x, x[0].y, 1.0, vec4f(1.0)), x[1].xy, x[0].z));",
+            "return vec4f(octave_light(Species(0.4, x[0].x, x[0].y, 1.0, vec4f(1.0), 0.0, 0.0, vec2f(0.0)), x[1].xy, x[0].z));",
             |x| {
                 let [g, albedo, cosine, _] = x[0];
                 let octave = |n: f64| n * henyey_greenstein(n * g, cosine);
@@ -300,7 +300,7 @@ fn slabs() -> Vec<Twin> {
         Twin::new(
             "shadowed_source",
             "slab_light",
-            "return vec4f(shadowed_source(Species(0.4, x[0].x, 1.0, 1.0, vec4f(1.0)), x[0].y, x[0].z));",
+            "return vec4f(shadowed_source(Species(0.4, x[0].x, 1.0, 1.0, vec4f(1.0), 0.0, 0.0, vec2f(0.0)), x[0].y, x[0].z));",
             |x| {
                 // Of a forward phase function g^2 goes straight on.
                 let [g, source, shadow, _] = x[0];

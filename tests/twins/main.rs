@@ -41,6 +41,7 @@ use nephos::render::Transport;
 /// Without a twin, with the reason.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("noise_at", "reads a texture: tests/picture/noise.rs compares it with the baked volume"),
+    ("noise_of_phase", "the same"),
     ("slab_source", "reads the table: tests/picture/slab_render.rs compares it with the reference"),
     ("slab_fit", "reads sun maps, as the next: tests/picture/slab_render.rs holds pictures against slabs"),
     ("slab_fit_kol", "the same"),

@@ -134,17 +134,36 @@ fn seen() -> Vec<Twin> {
         )
         .edges(grid(&[0.0, 0.009, 0.01, 0.5, 1.0], &[0.3, 7.0], &[0.01, 0.0], &[0.0]))
         .over("all", ended),
-        Twin::new("ray_alpha", "ray_seen", "return vec4f(ray_alpha(seen(x[0]), x[0].w > 0.5));", |x| {
-            let [opacity, depth, _, before_sun] = x[0];
-            one(if before_sun > 0.5 { -(-depth).exp_m1() } else { opacity })
+        Twin::new("opaque_ahead", "ray_seen", "return vec4f(opaque_ahead(x[0].x, x[0].y));", |x| {
+            one(((1.0 - x[0][1]) * x[0][0].ln()).exp())
+        })
+        .over("all", |random| scalars([random.log(1e-6, 0.1), random.between(0.0, 0.9)])),
+        Twin::new(
+            "opacity_ratio",
+            "ray_seen",
+            "return vec4f(opacity_ratio(seen(x[0]), x[0].w));",
+            |x| one(-(-x[0][3] * x[0][1]).exp_m1() / x[0][0]),
+        )
+        .declaring(SEEN)
+        .over("all", |random| {
+            let mut x = seen_ray(random);
+            x[0] = random.between(0.3, 1.0);
+            x[1] = random.log(0.3, 1e4);
+            x[3] = random.between(0.3, 1.0);
+            input([x])
+        })
+        .beside(1.0),
+        Twin::new("ray_alpha", "ray_seen", "return vec4f(ray_alpha(seen(x[0]), x[0].w, x[1].x > 0.5));", |x| {
+            let share = if x[1][0] > 0.5 { 1.0 } else { x[0][3] };
+            one(-(-share * x[0][1]).exp_m1())
         })
         .declaring(SEEN)
-        .edges(grid(&[0.2, 1.0], &[0.0, 0.3, 1e4], &[1.0], &[0.0, 1.0]))
+        .edges(grid(&[0.2, 1.0], &[0.0, 0.3, 1e4], &[1.0], &[0.0, 0.6, 1.0]))
         .beside(1.0)
         .over("all", |random| {
             let mut x = seen_ray(random);
-            x[3] = random.index(2) as f64;
-            input([x])
+            x[3] = random.between(0.3, 1.0);
+            input([x, [random.index(2) as f64, 0.0, 0.0, 0.0]])
         })
         // It is what 1 is less by.
         .beside(1.0),

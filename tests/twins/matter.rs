@@ -2,17 +2,18 @@
 //!
 //! An edge is packed as its depth, extinction, boundary and wispiness in x[0]; a body as its base, the
 //! inverse of its height, stratification and dilution in x[1]; whether it is uneven, the height of the
-//! point, billows and wisps in x[2]; the width of a pixel in x[3].
+//! point, billows and wisps in x[2]; the width of a pixel and the level of the base in x[3].
 
 use crate::common::constants::{constant, constants};
 use crate::definitions::rise;
 use crate::harness::{Input, Output, Random, Twin, Wide};
-use crate::pack::{grid, input, line, one, plane, scalars, two};
+use crate::pack::{grid, input, line, one, plane, scalars, three, two, xyz};
+use glam::DVec3;
 
 const BODY: &str = "fn body(x: array<vec4f, 8>) -> Body {
     var body: Body;
     body.base = x[1].x; body.inverse_height = x[1].y; body.stratification = x[1].z; body.dilution = x[1].w;
-    body.uneven = x[2].x;
+    body.uneven = x[2].x; body.level = x[3].y;
     return body;
 }
 fn edge(x: array<vec4f, 8>) -> Edge { return Edge(x[0].x, x[0].y, x[0].z, x[0].w); }
@@ -54,8 +55,12 @@ fn below(x: &Wide) -> Output {
     let ([depth, extinction, boundary, wispiness], [base, inverse_height, share, dilution]) = (x[0], x[1]);
     let [uneven, y, billows, wisps] = x[2];
     let rise_m = rise_of(boundary, wispiness);
+    // Each metre above the level is worth several.
+    let steep = density("LEVELLING");
+    let low = steep * (y - x[3][1]);
+    let (depth, steep) = if low < depth { (low, steep) } else { (depth, 1.0) };
     // An edge wider than it is grows to both sides.
-    let width = rise_m.max(x[3][0]);
+    let width = rise_m.max(steep * x[3][0]);
     let d = depth - moved(boundary, wispiness, [billows, wisps]) + (width - rise_m) / 2.0;
     let height = y - base;
     let there = extinction * profile(height * inverse_height, share) * kept(dilution, d, boundary);
@@ -66,7 +71,7 @@ fn below(x: &Wide) -> Output {
     if uneven > 0.0 {
         inside = inside.min(density("EVEN") * depth.min(height.max(0.0)));
     }
-    [there * rise(d / width), d, inside.max(-d), 2.0]
+    [there * rise(d / width), d, inside.max(-d) / steep, 2.0]
 }
 
 /// What is deep in a cloud: matter in x[0], body and height as everywhere.
@@ -111,6 +116,7 @@ fn any(random: &mut Random) -> Input {
     let height = random.log(10.0, 1e4);
     let base = random.between(-1.0, 1.0) * height;
     let (stratification, dilution) = (share(random), share(random));
+    let level = [-1e30, base + height * random.between(-0.2, 0.5)][random.index(2)];
     input([
         [
             random.between(-0.2, 4.0) * boundary.max(1.0),
@@ -125,7 +131,7 @@ fn any(random: &mut Random) -> Input {
             random.between(-1.0, 1.0),
             random.between(-1.0, 1.0),
         ],
-        [[0.0, random.log(0.01, 300.0)][random.index(2)], 0.0, 0.0, 0.0],
+        [[0.0, random.log(0.01, 300.0)][random.index(2)], level, 0.0, 0.0],
     ])
 }
 
@@ -133,6 +139,7 @@ pub fn twins() -> Vec<Twin> {
     let mut all = lumps();
     all.extend(edges());
     all.extend(octaves());
+    all.extend(flows());
     all
 }
 
@@ -211,6 +218,11 @@ fn edges() -> Vec<Twin> {
         )
         .declaring(BODY)
         .over("all", any),
+        Twin::new("level_depth", "density", "return vec4f(level_depth(body(x), x[2].y));", |x| {
+            one(density("LEVELLING") * (x[2][1] - x[3][1]))
+        })
+        .declaring(BODY)
+        .over("all", any),
         Twin::new("undiluted", "density", "return vec4f(undiluted(x[0].x, x[0].y, x[0].z));", |x| {
             one(kept(x[0][0], x[0][1], x[0][2]))
         })
@@ -278,6 +290,91 @@ fn octaves() -> Vec<Twin> {
             input([coarse, fine, [weights[0], weights[1], weights[2], random.between(0.3, 1.0)]])
         }),
     ]
+}
+
+/// A sum of shears along each axis, by cosines and sines that go round once a period (Dombre et al. 1986, eq. 1.1).
+fn eddies(q: DVec3) -> DVec3 {
+    let turn = std::f64::consts::TAU * q;
+    let shear = |a: f64, b: f64| a.sin() + b.cos();
+    DVec3::new(shear(turn.z, turn.y), shear(turn.x, turn.z), shear(turn.y, turn.x)) / 3f64.sqrt()
+}
+
+/// A volume that is turned about x by a right angle, of a period of 1 / x[0].x, carried over x[0].y.
+fn carried(x: &Wide) -> Output {
+    let (frequency, way, p) = (x[0][0], x[0][1], xyz(x[2]));
+    let q = frequency * DVec3::new(p.x, p.z, -p.y) + xyz(x[1]);
+    let v = eddies(q);
+    let world = DVec3::new(v.x, -v.z, v.y);
+    three(p - way * (constant("noise", "LIFT") * DVec3::Y + constant("noise", "ROLL") * world))
+}
+
+fn place(random: &mut Random, size: f64) -> [f64; 3] {
+    [(); 3].map(|()| size * random.between(-1.0, 1.0))
+}
+
+fn flows() -> Vec<Twin> {
+    const FRAME: &str = "fn frame(x: array<vec4f, 8>) -> NoiseFrame {
+        var frame: NoiseFrame;
+        frame.coarse_x = vec4f(x[0].x, 0.0, 0.0, x[1].x);
+        frame.coarse_y = vec4f(0.0, 0.0, x[0].x, x[1].y);
+        frame.coarse_z = vec4f(0.0, -x[0].x, 0.0, x[1].z);
+        frame.flow = x[3];
+        return frame;
+    }";
+    vec![
+        Twin::new("noise_eddies", "noise", "return vec4f(noise_eddies(x[0].xyz), 0.0);", |x| {
+            three(eddies(xyz(x[0])))
+        })
+        .over("all", |random| {
+            let [a, b, c] = place(random, 1.0);
+            input([[a, b, c, 0.0]])
+        }),
+        Twin::new(
+            "noise_carried",
+            "noise",
+            "return vec4f(noise_carried(frame(x), x[2].xyz, x[0].y), 0.0);",
+            carried,
+        )
+        .declaring(FRAME)
+        .over("all", |random| {
+            let period = random.log(1.0, 1e4);
+            let ([a, b, c], [x, y, z]) = (place(random, 1.0), place(random, period));
+            let way = 0.25 * period * random.between(-0.5, 0.5);
+            input([[1.0 / period, way, 0.0, 0.0], [a, b, c, 0.0], [x, y, z, 0.0]])
+        }),
+        Twin::new("noise_is_still", "noise", "return vec4f(f32(noise_is_still(frame(x))));", |x| {
+            one(f64::from(u8::from(x[3] == [0.0; 4])))
+        })
+        .declaring(FRAME)
+        .over("all", any_flow),
+        Twin::new("noise_reads", "noise", "return vec4f(f32(noise_reads(frame(x))));", |x| {
+            one(if x[3] == [0.0; 4] { 2.0 } else { 4.0 })
+        })
+        .declaring(FRAME)
+        .over("all", any_flow),
+        Twin::new(
+            "noise_mixed",
+            "noise",
+            "return vec4f(noise_mixed(x[0].xy, x[0].zw, x[1].xy), 0.0, 0.0);",
+            |x| {
+                let sum = |i: usize| (x[1][0] * x[0][i] + x[1][1] * x[0][2 + i]).clamp(-1.0, 1.0);
+                two(sum(0), sum(1))
+            },
+        )
+        .over("all", |random| {
+            let mut noise = || random.between(-1.0, 1.0);
+            let values = [noise(), noise(), noise(), noise()];
+            let turn = noise() * std::f64::consts::PI;
+            input([values, [turn.sin().abs(), turn.cos().abs(), 0.0, 0.0]])
+        }),
+    ]
+}
+
+/// Often one that stands still.
+fn any_flow(random: &mut Random) -> Input {
+    let moving = random.index(2) as f64;
+    let flow = [(); 4].map(|()| moving * random.between(-1.0, 1.0));
+    input([[0.0; 4], [0.0; 4], [0.0; 4], flow])
 }
 
 /// Depths of lumps, weighted by their places in the list so that what is theirs is known again; the depth,

@@ -71,7 +71,7 @@ pub fn twins() -> Vec<Twin> {
 
 /// A species whose truncated share and albedo are told, as 1 less what is told where that is small.
 const SPECIES: &str = "fn make(x: array<vec4f, 8>) -> Species {
-    return Species(x[0].x, 0.7, x[0].y, 1.0, vec4f(1.0));
+    return Species(x[0].x, 0.7, x[0].y, 1.0, vec4f(1.0), 0.0, 0.0, vec2f(0.0));
 }";
 
 fn species() -> Vec<Twin> {

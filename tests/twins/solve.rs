@@ -43,7 +43,8 @@ fn length(x: &Wide) -> f64 {
 
 fn cell(x: &Wide) -> Output {
     let ([extinction, lit, open, _], truncated) = (x[0], x[2][3]);
-    let mean = (1.0 - truncated) * extinction / 8.0;
+    let edges = xyz(x[2]);
+    let mean = ((1.0 - truncated) * extinction / 8.0).min(3.0 / (edges.x * edges.y * edges.z).cbrt());
     let depth = length(x) * mean;
     let beam = if extinction > 0.0 {
         // No more than comes in: (1 - e^-depth) / depth.
@@ -89,6 +90,33 @@ fn cells() -> Vec<Twin> {
             let first = [random.index(140) as f64, random.index(8) as f64, 0.0, 0.0];
             field(random, first)
         }),
+        Twin::new(
+            "field_view",
+            "field_view",
+            "let v = field_view(made(x), x[4], u32(x[0].x)); return vec4f(v.direction, v.far);",
+            |x| {
+                let eye = xyz(x[4]);
+                if x[4][3] == 0.0 {
+                    return [eye.x, eye.y, eye.z, 1.0];
+                }
+                let away = eye - xyz(x[1]) - (place(x[0][0]) + 0.5) * xyz(x[2]);
+                let t = ((away.length() / xyz(x[2]).max_element() - 1.0) / 2.0).clamp(0.0, 1.0);
+                let d = away.normalize();
+                [d.x, d.y, d.z, t * t * (3.0 - 2.0 * t)]
+            },
+        )
+        .declaring(FIELD)
+        .over("all", |random| {
+            let cell = random.index(140) as f64;
+            let mut x = field(random, [cell, 0.0, 0.0, 0.0]);
+            x[1] = [0.0; 4];
+            let far = f64::from(x[2][0].max(x[2][1]).max(x[2][2])) * random.between(12.0, 100.0);
+            let eye = [random.direction(), far * random.direction()];
+            let which = random.index(2);
+            x[4] = eye[which].as_vec3().extend(which as f32).to_array();
+            x
+        })
+        .beside(1.0),
         Twin::new("field_beam", "field", "return vec4f(field_beam(made(x), x[0].x));", |x| {
             one((x[2][3] * x[0][0]).exp() / x[0][0].exp())
         })
@@ -242,6 +270,32 @@ fn told(x: &Wide, value: impl Fn(usize, f64) -> f64) -> Output {
     [0, 1, 2, 3].map(|i| value(4 * row + i, x[row][i]))
 }
 
+/// With a number from 0 to 1 beside the row that is told.
+fn with_distance(random: &mut Random) -> Input {
+    let mut x = sixteen(random);
+    x[5][1] = [0.0, 1.0, random.between(0.0, 1.0) as f32][random.index(3)];
+    x
+}
+
+/// With a vector across the direction in place of the shares.
+fn with_tangent(mut x: Input, random: &mut Random) -> Input {
+    let d = DVec3::new(x[4][0].into(), x[4][1].into(), x[4][2].into());
+    let tangent = d.cross(random.direction());
+    x[6] = tangent.as_vec3().extend(0.0).to_array();
+    x
+}
+
+/// Change of the light of all moments along a vector across the direction.
+fn slope(x: &Wide, tangent: DVec3) -> f64 {
+    let (d, step) = (xyz(x[4]), 1e-4);
+    let at = |t: f64| {
+        let d = (d + t * tangent).normalize();
+        (0..16).map(|i| x[i / 4][i % 4] * harmonic(MOMENTS[i].0, MOMENTS[i].1, d)).sum::<f64>()
+    };
+    // Of the fourth order.
+    (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
+}
+
 fn sum(x: &Wide, count: usize) -> f64 {
     let term = |i: usize| x[i / 4][i % 4] * harmonic(MOMENTS[i].0, MOMENTS[i].1, xyz(x[4]));
     (0..count).map(term).sum()
@@ -271,12 +325,53 @@ fn moments() -> Vec<Twin> {
         .declaring(FOUR)
         .over("all", sixteen),
         Twin::new(
-            "harmonics_low_sum",
+            "harmonics_gradient",
             "harmonics",
-            "return vec4f(harmonics_low_sum(x[0], x[4].xyz));",
-            |x| one(sum(x, 4)),
+            // Along a tangent: of a polynomial off the sphere there are many.
+            "return vec4f(dot(harmonics_gradient(four(x), x[4].xyz), x[6].xyz));",
+            |x| one(slope(x, xyz(x[6]))),
         )
-        .over("all", sixteen),
+        .declaring(FOUR)
+        .over("all", |random| with_tangent(sixteen(random), random)),
+        Twin::new(
+            "view_light",
+            "field_view",
+            "return vec4f(view_light(four(x), CellView(x[4].xyz, x[5].y)));",
+            |x| {
+                let mean = x[0][0] * harmonic(0, 0, xyz(x[4]));
+                one(mean + x[5][1] * (sum(x, 16) - mean))
+            },
+        )
+        .declaring(FOUR)
+        .over("all", with_distance),
+        Twin::new(
+            "view_expansion",
+            "field_view",
+            "let e = view_expansion(four(x), CellView(x[4].xyz, x[5].y)); let d = vec3f(x[4].xyz + x[6].xyz);
+             return vec4f(e.x + dot(e.yzw, d));",
+            |x| {
+                let tangent = xyz(x[6]);
+                let far = sum(x, 16) + slope(x, tangent);
+                let near = (0..4).map(|i| {
+                    let (l, m) = MOMENTS[i];
+                    let at = |d: DVec3| {
+                        if l == 0 { harmonic(0, 0, d) } else { d.length() * harmonic(l, m, d.normalize()) }
+                    };
+                    x[0][i] * at(xyz(x[4]) + tangent)
+                });
+                let near: f64 = near.sum();
+                one(near + x[5][1] * (far - near))
+            },
+        )
+        .declaring(FOUR)
+        .over("all", |random| with_tangent(with_distance(random), random)),
+        Twin::new("expanded", "field_view", "return vec4f(expanded(x[0], x[1].xyz));", |x| {
+            one((x[0][0] + DVec3::new(x[0][1], x[0][2], x[0][3]).dot(xyz(x[1]))).max(0.0))
+        })
+        .over("all", |random| {
+            let four = [(); 4].map(|()| random.between(-1.0, 1.0));
+            input([four, vector(random.direction(), 0.0)])
+        }),
     ]
 }
 

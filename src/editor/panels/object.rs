@@ -159,6 +159,13 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
     let default = Cloud::default();
     form.number("Cloud.blend", "Blend", &mut cloud.blend, default.blend);
+    let mut flat = cloud.level.is_some();
+    form.check("Cloud.level", "Flat base", &mut flat, false);
+    let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
+    cloud.level = flat.then(|| cloud.level.unwrap_or(lowest));
+    if let Some(level) = &mut cloud.level {
+        form.slider("Cloud.level", "Altitude of the base", level, lowest, lowest - 500.0..=lowest + 500.0);
+    }
     form.number("Cloud.stratification", "Stratification", &mut cloud.stratification, default.stratification);
     form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
     form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
@@ -202,6 +209,7 @@ pub(super) fn noise_rows(form: &mut Form<'_>, noise: &mut Noise) {
     form.number("Noise.dimension", "Dimension", &mut noise.dimension, default.dimension);
     form.number("Noise.detail", "Detail", &mut noise.detail, default.detail);
     form.number("Noise.evolution", "Evolution", &mut noise.evolution, default.evolution);
+    form.slider("Noise.rate", "Renewals a minute", &mut noise.rate, default.rate, 0.0..=30.0);
 }
 
 /// Size of the largest billows that is offered where none was told, m.

@@ -17,24 +17,31 @@ pub struct BodyUniform {
     pub(crate) inverse_height: f32,
     pub(crate) stratification: f32,
     pub(crate) dilution: f32,
+    pub(crate) level: f32,
     pub(crate) uneven: f32,
     pub(crate) table: u32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// Exponents with which depths of lumps are joined: creases between them, and one smooth body.
 const POWERS: [f64; 2] = [8.0, 2.0];
 
+/// The level of a cloud that has none, m: below all.
+const NO_LEVEL: f32 = -1e30;
+
 impl BodyUniform {
-    /// That of `cloud`, whose box goes from `low` to `high`, made of `species`, whose noise is `noise`;
+    /// That of `cloud`, whose box goes from `low` to `high` in a frame whose origin is at the height `origin`, m;
+    /// it is made of `species`, and its noise is `noise`;
     /// whether all its lumps are equally dense.
     pub fn new(
         cloud: &Cloud,
         (low, high): (DVec3, DVec3),
+        origin: f64,
         noise: NoiseFrame,
         species: SpeciesUniform,
         equal: bool,
     ) -> Self {
-        let uneven = !equal || cloud.stratification > 0.0;
+        let uneven = !equal || cloud.stratification > 0.0 || cloud.level.is_some();
         let deepest = cloud.ellipsoids.iter().map(|e| e.radii.min_element()).fold(1e-3, f64::max);
         Self {
             noise,
@@ -45,8 +52,10 @@ impl BodyUniform {
             inverse_height: (1.0 / (high.y - low.y).max(1e-6)) as f32,
             stratification: cloud.stratification as f32,
             dilution: cloud.dilution as f32,
+            level: cloud.level.map_or(NO_LEVEL, |level| (level - origin) as f32),
             uneven: f32::from(u8::from(uneven)),
             table: 0,
+            padding: [0; 3],
         }
     }
 
@@ -60,6 +69,7 @@ impl BodyUniform {
 
     /// The same body seen from an origin that is `offset` from its own, m, with its noise read from there.
     pub fn moved(self, noise: NoiseFrame, offset: DVec3, table: u32) -> Self {
-        Self { noise, base: self.base + offset.y as f32, table, ..self }
+        let y = offset.y as f32;
+        Self { noise, base: self.base + y, level: self.level + y, table, ..self }
     }
 }

@@ -160,10 +160,11 @@ fn slots(count: usize) -> UVec3 {
 }
 
 impl Plan {
-    /// The finest bricks of which an atlas holds all that must be stored; none where their cells would be
-    /// too coarse to tell most lumps.
-    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Option<Self> {
-        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
+    /// The finest bricks of which an atlas holds all that must be stored, of a cloud that ends below the height
+    /// `level`, m; none where their cells would be too coarse to tell most lumps.
+    pub fn new(ellipsoids: &[EllipsoidUniform], level: f32) -> Option<Self> {
+        let (mut low, high) = EllipsoidUniform::bounds(ellipsoids);
+        low.y = low.y.max(level.min(high.y));
         let extent = (high - low).max(Vec3::splat(1e-3));
         let mut radii: Vec<f32> = ellipsoids.iter().map(EllipsoidUniform::smallest_radius).collect();
         let quantile = radii.len() / 4;
@@ -173,7 +174,7 @@ impl Plan {
         let mut brick = (CELLS as f32 * FINEST * usual).max(extent.max_element() / LONGEST as f32);
         while brick <= coarsest {
             if entries(ellipsoids, brick) <= MOST_ENTRIES {
-                let mut plan = Self::of(ellipsoids, low, extent, brick);
+                let mut plan = Self::of(ellipsoids, level, (low, extent), brick);
                 if plan.stored.len() <= MOST_STORED {
                     plan.tell_distances();
                     return Some(plan);
@@ -184,10 +185,12 @@ impl Plan {
         None
     }
 
-    fn of(ellipsoids: &[EllipsoidUniform], low: Vec3, extent: Vec3, brick: f32) -> Self {
+    fn of(ellipsoids: &[EllipsoidUniform], level: f32, (low, extent): (Vec3, Vec3), brick: f32) -> Self {
         let size = (extent / brick).ceil().as_uvec3().max(UVec3::ONE);
         let lists = lists(ellipsoids, low, brick, size);
         let core = densest(ellipsoids);
+        // Where the base is displaced, all is stored.
+        let above = level + ellipsoids.iter().map(|e| e.boundary).fold(0.0, f32::max);
         let mut plan =
             Self { low, brick, size, index: Vec::new(), stored: Vec::new(), candidates: Vec::new() };
         for (i, list) in lists.iter().enumerate() {
@@ -201,7 +204,7 @@ impl Plan {
                 list.iter().any(|&e| ellipsoids[e as usize].reaches(corner + 0.5 * brick, 0.867 * brick));
             plan.index.push(if !reached {
                 0
-            } else if list.iter().any(fills) {
+            } else if corner.y >= above && list.iter().any(fills) {
                 CORE
             } else {
                 let first = plan.candidates.len() as u32;
@@ -282,6 +285,8 @@ mod tests {
     use crate::scene::Preset;
     use glam::DVec3;
 
+    const NO_LEVEL: f32 = -1e30;
+
     fn heap() -> Vec<EllipsoidUniform> {
         let scene = Preset::Congestus.scene(1);
         let cloud = &scene.clouds[0];
@@ -295,7 +300,7 @@ mod tests {
     #[test]
     fn every_point_of_an_ellipsoid_is_in_a_brick_that_is_not_empty_and_knows_it() {
         let ellipsoids = heap();
-        let plan = Plan::new(&ellipsoids).unwrap();
+        let plan = Plan::new(&ellipsoids, NO_LEVEL).unwrap();
         assert!(plan.stored.len() <= MOST_STORED && plan.stored.len() > 100, "{}", plan.stored.len());
         for i in 0..4000u32 {
             let t = (f64::from(i) + 0.5) / 4000.0;
@@ -322,7 +327,7 @@ mod tests {
 
     #[test]
     fn empty_bricks_are_as_far_from_others_as_they_tell() {
-        let plan = Plan::new(&heap()).unwrap();
+        let plan = Plan::new(&heap(), NO_LEVEL).unwrap();
         let mut told = 0;
         for (i, &entry) in plan.index.iter().enumerate().filter(|(_, entry)| **entry < CORE) {
             let at = place(plan.size, i);

@@ -80,7 +80,7 @@ impl Medium {
         let frame = NoiseFrame::new(&noise, scale, origin);
         let own = (bounds.0 - origin, bounds.1 - origin);
         let steady = steady_depth(cloud);
-        let body = BodyUniform::new(cloud, own, frame, species.uniform(), steady.is_finite());
+        let body = BodyUniform::new(cloud, own, origin.y, frame, species.uniform(), steady.is_finite());
         let ellipsoids = cloud.ellipsoids.iter();
         let mut medium = Self {
             fingerprint: 0,
@@ -99,7 +99,7 @@ impl Medium {
             let share = (1e4 * ellipsoid.extinction / densest).round();
             hasher.write(bytemuck::bytes_of(&EllipsoidUniform { extinction: share, ..*ellipsoid }));
         }
-        hasher.write(bytemuck::bytes_of(&[medium.body.power, medium.body.reach]));
+        hasher.write(bytemuck::bytes_of(&[medium.body.power, medium.body.reach, medium.body.level]));
         medium.shape = hasher.finish();
         hasher.write(bytemuck::bytes_of(&densest));
         hasher.write(bytemuck::bytes_of(&medium.body));

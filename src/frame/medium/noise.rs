@@ -49,6 +49,9 @@ pub struct NoiseFrame {
     pub(crate) texels_per_metre: f32,
     pub(crate) frequency: f32,
     pub(crate) padding: [f32; 2],
+    pub(crate) flow: Vec4,
+    pub(crate) first: Vec4,
+    pub(crate) second: Vec4,
 }
 
 impl NoiseFrame {
@@ -69,6 +72,7 @@ impl NoiseFrame {
         // An octave's amplitude over that of the one before.
         let gain = 2_f64.powf(noise.dimension - 3.0);
         let amplitudes = [gain.powi(2), 2.0 * noise.detail * gain.powi(4), 2.0 * noise.detail * gain.powi(6)];
+        let [flow, first, second] = phases(noise.renewed, size);
         let variance = 1.0 + amplitudes.iter().map(|a| a * a).sum::<f64>();
         Self {
             coarse_x: coarse[0],
@@ -82,8 +86,43 @@ impl NoiseFrame {
             texels_per_metre: (f64::from(SIZE) / period) as f32,
             frequency: (1.0 / size) as f32,
             padding: [0.0; 2],
+            flow,
+            first,
+            second,
         }
     }
+}
+
+/// How far the noise is carried while a phase of it is seen, in its largest billows.
+const CARRIED: f64 = 1.0;
+
+/// Ways, m, and weights of the two phases of noise whose largest features are `size` metres wide, and where each
+/// begins to read, in periods. A phase comes and goes once a renewal, half a one after the other, and begins
+/// elsewhere each time; it is seen best where nothing has carried it.
+fn phases(renewed: scene::Renewed, size: f64) -> [Vec4; 3] {
+    if renewed.times == 0.0 {
+        return [Vec4::ZERO; 3];
+    }
+    let phase = |ahead: f64| {
+        let at = renewed.times + ahead;
+        let rounds = at.floor();
+        let way = CARRIED * size * (at - rounds - 0.5);
+        // Those of sines half a turn apart have squares that add up to 1.
+        (way, (std::f64::consts::PI * (at - rounds)).sin(), begin(rounds, renewed.round, ahead))
+    };
+    let ((way, weight, first), (other_way, other_weight, second)) = (phase(0.0), phase(0.5));
+    let flow = Vec4::new(way as f32, other_way as f32, weight as f32, other_weight as f32);
+    [flow, first, second]
+}
+
+/// Where a phase begins to read: elsewhere in each round, and in the first of those of the phase that is `ahead`
+/// where noise that stands still does.
+fn begin(rounds: f64, of: u32, ahead: f64) -> Vec4 {
+    let rounds = if of > 0 { rounds.rem_euclid(f64::from(of)) } else { rounds };
+    // Powers of the plastic number's inverse: places that keep apart (Roberts 2018).
+    let step = DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
+    let place = (rounds + 0.5 - ahead) * step;
+    (place - place.floor()).extend(0.0).as_vec4()
 }
 
 /// Where a seed begins to read, in periods, coarse and fine.
@@ -307,6 +346,40 @@ mod tests {
             let share = cut as f64 / baked().len() as f64;
             assert!(share < 0.06, "channel {channel}: {share}");
         }
+    }
+
+    /// The frame of noise that was renewed so often, of billows of 120 m.
+    fn renewed(times: f64, round: u32) -> NoiseFrame {
+        let renewed = scene::Renewed { times, round };
+        NoiseFrame::new(&scene::Noise { renewed, ..scene::Noise::default() }, 120.0, DVec3::ZERO)
+    }
+
+    #[test]
+    fn phases_weigh_alike_and_the_one_that_begins_anew_weighs_nothing() {
+        for i in -40..40 {
+            let flow = renewed(0.013 + 0.1 * f64::from(i), 0).flow;
+            assert!((flow.z * flow.z + flow.w * flow.w - 1.0).abs() < 1e-6, "{flow}");
+            assert!(flow.x.abs() <= 60.0 && flow.y.abs() <= 60.0, "{flow}");
+        }
+        for (times, fresh) in [(3.0, 2), (-2.0, 2), (1.5, 3)] {
+            let (before, after) = (renewed(times - 1e-6, 0), renewed(times + 1e-6, 0));
+            assert!(before.flow[fresh] < 1e-5 && after.flow[fresh] < 1e-5, "{before:?}");
+            let other = 3 - fresh;
+            let place = |frame: &NoiseFrame| if fresh == 2 { frame.second } else { frame.first };
+            assert!((before.flow[other] - after.flow[other]).abs() < 1e-3);
+            assert_eq!(place(&before), place(&after), "the one that is seen stays");
+        }
+    }
+
+    #[test]
+    fn noise_begins_as_it_stands_still_and_comes_back_after_a_round() {
+        let begun = renewed(1e-9, 0);
+        assert!(begun.flow.w == 1.0 && begun.flow.y.abs() < 1e-6 && begun.second == Vec4::ZERO, "{begun:?}");
+        assert_eq!(renewed(0.0, 0).flow, Vec4::ZERO);
+        let (start, end) = (renewed(0.25, 7), renewed(7.25, 7));
+        assert!((start.flow - end.flow).abs().max_element() < 1e-4, "{start:?} {end:?}");
+        assert_eq!((start.first, start.second), (end.first, end.second));
+        assert_ne!(renewed(1.25, 7).second, start.second, "each renewal has other billows");
     }
 
     #[test]

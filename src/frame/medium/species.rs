@@ -31,6 +31,8 @@ pub struct SpeciesUniform {
     pub(crate) albedo: f32,
     pub(crate) similarity: f32,
     pub(crate) degrees: [f32; 4],
+    pub(crate) ahead: f32,
+    padding: [f32; 3],
 }
 
 /// The optics of particles. Absorption and the forward peak are taken out of the medium
@@ -114,6 +116,7 @@ impl Species {
         let media =
             Medium::of_channels(|theta| [0, 1, 2].map(|channel| chopped.wide(channel, theta)), degree);
         let tables = Remainders::new(degree);
+        let albedo = droplets.albedo * (1.0 - chopped.f) / (1.0 - truncated);
         let g = chopped.asymmetry[1];
         let over_table = |l: usize| (media[1].chi[l] / TABLE_MOMENTS[l - 1]) as f32;
         Ok(Self {
@@ -123,13 +126,20 @@ impl Species {
             remainder: tables.table(&media, moments::remainder_moments),
             chi: [0, 1, 2, 3].map(|l| media[1].chi[l] as f32),
             ahead: ahead(&media[1]) as f32,
-            beyond: tables
-                .table(&media, |medium, path| moments::moments_beyond(medium, ahead(&media[1]), path)),
+            beyond: tables.table(&media, |medium, path| {
+                moments::moments_beyond(medium, albedo, ahead(&media[1]), path)
+            }),
             truncated: truncated as f32,
             asymmetry: chopped.asymmetry[1] as f32,
-            albedo: (droplets.albedo * (1.0 - chopped.f) / (1.0 - truncated)) as f32,
+            albedo: albedo as f32,
             table: [row(&wide), row(&peak)].concat(),
         })
+    }
+
+    /// What of each degree 0 to 3 is scattered, but for absorption, per unit of the extinction that does not
+    /// go straight on: (chi_l - chi_4) / (1 - albedo chi_4).
+    pub fn beyond_ahead(&self) -> [f32; 4] {
+        self.chi.map(|chi| (chi - self.ahead) / (1.0 - self.albedo * self.ahead))
     }
 
     /// What shaders take of it beside tables.
@@ -140,6 +150,8 @@ impl Species {
             albedo: self.albedo,
             similarity: self.similarity,
             degrees: self.degrees,
+            ahead: self.albedo * self.ahead,
+            padding: [0.0; 3],
         }
     }
 
@@ -166,9 +178,10 @@ pub(crate) struct SpeciesTextures {
 }
 
 /// What of the extinction goes straight on when degrees 0 to 3 tell the phase function: the
-/// next moment (delta-M, Wiscombe 1977).
+/// next moment (delta-M, Wiscombe 1977), but no more than leaves all of them between -1 and 1.
 fn ahead(medium: &Medium) -> f64 {
-    medium.chi[4].max(0.0)
+    let most = medium.chi[..4].iter().map(|chi| 0.5 * (1.0 + chi)).fold(1.0, f64::min);
+    medium.chi[4].clamp(0.0, most)
 }
 
 /// Makes tables of small-angle remainders.

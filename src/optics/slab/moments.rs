@@ -101,14 +101,18 @@ pub fn remainder_moments(medium: &Medium, path: f64) -> Vec<f64> {
     medium.chi.iter().enumerate().map(term).collect()
 }
 
-/// The same beyond a grid that holds degrees 0 and 1 of the light scattered at least once,
-/// where the share `ahead` of the extinction is taken as going straight on: of those degrees
-/// what went straight on is left.
-pub fn moments_beyond(medium: &Medium, ahead: f64, path: f64) -> Vec<f64> {
+/// The same beyond a grid that holds degrees 0 to 3 of the light scattered at least once, where the share
+/// `ahead` of what is scattered is taken as going straight on (delta-M, Wiscombe 1977), per unit of the
+/// extinction that is left there, for droplets of single-scattering `albedo`: with f = `ahead`,
+/// (2l + 1) / (4 pi) (chi_l - f) / (1 - albedo f) (e^(-path (1 - albedo c_l)) - e^-path), where c_l is f up
+/// to degree 3, of which the grid has the rest, and chi_l beyond. The light scattered once, with the whole
+/// phase function over (1 - albedo f), comes on top. It is what the sun's light in the limit of small
+/// angles scatters, but for what the grid and the light scattered once hold of it.
+pub fn moments_beyond(medium: &Medium, albedo: f64, ahead: f64, path: f64) -> Vec<f64> {
     let term = |(l, &chi): (usize, &f64)| {
-        let kept = if l < 2 { ahead } else { chi };
+        let kept = albedo * if l <= 3 { ahead } else { chi };
         let light = (-path * (1.0 - kept)).exp() * -(-path * kept).exp_m1();
-        (2.0 * l as f64 + 1.0) / (4.0 * PI) * chi * light
+        (2.0 * l as f64 + 1.0) / (4.0 * PI) * (chi - ahead) / (1.0 - albedo * ahead) * light
     };
     medium.chi.iter().enumerate().map(term).collect()
 }

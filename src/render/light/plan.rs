@@ -14,6 +14,8 @@ const FULL_CLOUDS: u64 = 64;
 /// Coarsest light.
 const LEAST_RESOLUTION: u32 = 16;
 const LEAST_CELLS: u32 = 8;
+/// Finest: radiance by direction takes 48 MiB on it.
+const MOST_CELLS: u32 = 64;
 /// From one allowance of voxels a pixel to the next smaller one that is tried.
 const FINER: f64 = 0.8;
 /// Bytes of a texel.
@@ -28,22 +30,20 @@ pub(in crate::render) struct Detail {
 }
 
 impl Detail {
-    const COARSEST: Self = Self { resolution: LEAST_RESOLUTION, cells: LEAST_CELLS };
-
     /// What the light of a cube takes, bytes; that of any other cloud at most twice that.
     pub fn bytes(self) -> u64 {
         let [resolution, cells] = [self.resolution, self.cells].map(u64::from);
         let maps = 2 * resolution * resolution * 4 / 3;
-        // Three colours of the sky on half the cells.
-        let moments = cells.pow(3) * 11 / 8;
-        TEXEL * (resolution.pow(3) + maps + moments)
+        // Moments as half floats, and what goes to the eye; three colours of the sky on half the cells.
+        let solved = cells.pow(3) * (4 * 11 + 9) / 8;
+        TEXEL * (resolution.pow(3) + maps + solved)
     }
 
     /// The finest light of `quality` for a cloud as large as this share of the largest.
     fn full(quality: &Quality, share: f64) -> Self {
         let most = quality.light_resolution.max(LEAST_RESOLUTION);
         let wanted = (share * f64::from(quality.light_resolution)) as u32;
-        let most_cells = quality.light_cells.clamp(LEAST_CELLS, 64);
+        let most_cells = quality.light_cells.clamp(LEAST_CELLS, MOST_CELLS);
         Self {
             resolution: wanted.next_power_of_two().clamp(LEAST_RESOLUTION, most),
             cells: ((share * f64::from(most_cells)).ceil() as u32).clamp(LEAST_CELLS, most_cells),
@@ -64,7 +64,8 @@ impl Detail {
 
 /// Bytes that the light of a scene with so many clouds in the picture may take in `quality`.
 pub(super) fn allowance(quality: &Quality, seen: usize) -> u64 {
-    FULL_CLOUDS * Detail::full(quality, 1.0).bytes() + seen as u64 * Detail::COARSEST.bytes()
+    let full = Detail::full(quality, 1.0);
+    FULL_CLOUDS * full.bytes() + seen as u64 * full.at_most(0.0).bytes()
 }
 
 /// How fine the light of each cloud is that is `in_view`.

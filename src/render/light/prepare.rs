@@ -1,11 +1,11 @@
 //! The light of one cloud: what it is made for, what it holds, and how a model of light binds it.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use wgpu::{BindGroup, TextureView};
 
 use super::{
     boxes::LightBox,
-    field::{Field, FieldKey, FieldPass},
+    field::{Field, FieldKey, FieldPass, SolvedLight},
     inputs::Inputs,
     model::{Parts, Transport},
     occluders::Occluder,
@@ -75,8 +75,9 @@ impl CloudLight {
     pub fn bytes(&self) -> u64 {
         let sun = self.sun.iter().flat_map(SunVolume::textures);
         let openness = self.openness.iter().map(|openness| &openness.volume);
+        let textures: u64 = sun.chain(openness).map(|view| bytes(view.texture())).sum();
         let field = self.field.iter().flat_map(|field| [&field.sun].into_iter().chain(&field.sky));
-        sun.chain(openness).chain(field).map(|view| bytes(view.texture())).sum()
+        textures + field.map(SolvedLight::bytes).sum::<u64>()
     }
 
     /// Whether nothing that it depends on has changed.
@@ -197,6 +198,19 @@ impl LightPass {
         });
         CloudLight { sun, openness, field, made_for: wanted, bound: None }
     }
+
+    /// Finds what of solved light goes to an eye ([`super::field::eye_of`]), where that has moved.
+    pub fn see(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        light: &mut CloudLight,
+        eye: Vec4,
+    ) {
+        if let (Some(pass), Some(field)) = (&self.field, &mut light.field) {
+            field.seen_from(pass, inputs.device, encoder, eye);
+        }
+    }
 }
 
 /// Parts of a cloud's light that need not be made again.
@@ -204,8 +218,8 @@ impl LightPass {
 struct Known {
     sun: Option<SunVolume>,
     openness: Option<Openness>,
-    field_of_sun: Option<TextureView>,
-    field_of_sky: Option<TextureView>,
+    field_of_sun: Option<SolvedLight>,
+    field_of_sky: Option<SolvedLight>,
 }
 
 impl Known {

@@ -4,6 +4,7 @@
 use std::collections::{HashMap, VecDeque};
 
 use super::{
+    field::eye_of,
     inputs::Inputs,
     occluders::{Occluder, occluders},
     plan::{allowance, plan},
@@ -108,6 +109,10 @@ impl LightStore {
                 left = if flush(encoder) { left - 1 } else { 0 };
                 Some(Kept { place: place(cloud), number: index, light, made: self.pictures })
             };
+            if let Some(kept) = &mut self.lights[index] {
+                let eye = eye_of(&frame.camera, frame.camera_position, cloud.origin);
+                self.pass.see(encoder, inputs, &mut kept.light, eye);
+            }
         }
         let seen = in_view.iter().filter(|seen| **seen).count();
         self.keep(frame, rest, allowance(quality, seen));

@@ -16,6 +16,11 @@ const RAYS: f64 = 9216.0;
 const CLOUDS: f64 = 0.92;
 /// Where that of the clear sky lies at most: dusk stays dusk behind dark clouds, and blue stays blue.
 const SKY: f64 = 0.6;
+/// Where it lies at least: a day stays day behind clouds that the sun shines through, whose rims may be white.
+const LEAST_SKY: f64 = 0.4;
+/// The light of a clear sky by day over the dimmest that is exposed as day; the least of a dimmer one falls off as the
+/// cube root of its light, so that dusk stays dusk behind what the sun still reaches.
+const BRIGHT_DAY: f64 = 40.0;
 /// What covers a smaller share of the picture is not metered.
 const LEAST_COVER: f64 = 1e-3;
 /// Shares of what is sorted by brightness between which it counts.
@@ -66,9 +71,14 @@ fn metered(clouds: &Picture, sky: Option<&Picture>, dimmest: f64) -> f64 {
         let behind = sky.pixels.iter().zip(&clouds.pixels);
         brighter_half(behind.map(|(sky, cloud)| (brightest(sky), 1.0 - cloud[3])))
     });
-    let factors = [lit.map(|light| CLOUDS / light.max(dimmest)), clear.map(|light| SKY / light.max(dimmest))];
-    let least = factors.into_iter().flatten().reduce(f64::min);
-    least.map_or(0.0, |factor| (factor / BASE).log2().clamp(-MOST, MOST))
+    let of_clouds = lit.map(|light| CLOUDS / light.max(dimmest));
+    let day = |light: f64| (light / (BRIGHT_DAY * dimmest)).min(1.0).cbrt();
+    let of_sky = clear.map(|light| [LEAST_SKY * day(light), SKY].map(|shown| shown / light.max(dimmest)));
+    let factor = match (of_clouds, of_sky) {
+        (Some(clouds), Some([least, most])) => Some(clouds.clamp(least, most)),
+        (clouds, sky) => clouds.or(sky.map(|[_, most]| most)),
+    };
+    factor.map_or(0.0, |factor| (factor / BASE).log2().clamp(-MOST, MOST))
 }
 
 /// The brightest channel of a pixel.
@@ -139,6 +149,16 @@ mod tests {
             let clouds = picture(100, |i| if i < share { (dark, 1.0) } else { (0.0, 0.0) });
             let stops = metered(&clouds, Some(&sky), 0.0);
             assert!((stops - by_sky).abs() < 1e-6, "{share}: {stops} {by_sky}");
+        }
+    }
+
+    #[test]
+    fn clouds_brighter_than_the_sky_are_exposed_by_their_light_until_the_sky_is_too_dark() {
+        let sky = picture(100, |_| (0.3, 1.0));
+        for (light, shown) in [(0.5, 0.92 / 0.5 * 0.3), (0.65, 0.92 / 0.65 * 0.3), (6.0, LEAST_SKY)] {
+            let clouds = picture(100, |i| if i < 50 { (light, 1.0) } else { (0.0, 0.0) });
+            let sky_shown = BASE * metered(&clouds, Some(&sky), 0.0).exp2() * f64::from(0.3f32);
+            assert!((sky_shown - shown).abs() < 1e-5, "{light}: {sky_shown}");
         }
     }
 

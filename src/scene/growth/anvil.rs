@@ -9,17 +9,17 @@ use super::heading::along;
 use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
-const SHEETS: u64 = 190;
-const FIBRES: u64 = 300;
-const POUCHES: u64 = 190;
+const SHEETS: u64 = 150;
+const FIBRES: u64 = 220;
+const POUCHES: u64 = 700;
 
 /// Height of the anvil's flat top, of the storm's.
-const CEILING: f64 = 0.92;
+const CEILING: f64 = 0.84;
 
 /// How far the anvil reaches downwind, upwind and across, of the storm's width.
-const DOWNWIND: f64 = 1.75;
+const DOWNWIND: f64 = 1.8;
 const UPWIND: f64 = 0.5;
-const ACROSS: f64 = 0.8;
+const ACROSS: f64 = 0.75;
 
 /// Grows the anvil on the tower.
 pub(super) fn spread(growth: &Growth, pile: &mut Pile) {
@@ -41,7 +41,7 @@ fn summit(pile: &Pile) -> DVec3 {
 
 /// The dome of the strongest updraught, above the anvil.
 fn overshoot(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
-    let size = 0.1 * growth.width;
+    let size = 0.15 * growth.width;
     let first = pile.lumps().len();
     for (i, aside, lift) in [(0, -0.2, -0.8), (1, -0.75, -0.35), (2, 0.7, -0.3), (3, 0.0, 0.15)] {
         let dice = &mut Dice::new(mixed(key, 40 + i));
@@ -72,7 +72,7 @@ fn reach(way: DVec3) -> f64 {
 /// Half the thickness of the anvil at a share of its reach, of the storm's width.
 fn half_thickness(out: f64) -> f64 {
     let inner = (1.0 - out).max(0.0);
-    0.009 + 0.05 * inner * inner
+    0.012 + 0.062 * inner * inner
 }
 
 /// A place in the anvil: its share of the reach, a horizontal direction, and the place at its flat top.
@@ -90,22 +90,22 @@ fn out_from(top: DVec3, wide: f64, at: DVec3) -> DQuat {
     along((at - source).with_y(0.0))
 }
 
-/// Flat sheets side by side under one level, thick at the tower, thin and narrow at the rim.
+/// Flat sheets that overlap under one level, thick at the tower, thin at the rim: the underside is a wedge.
 fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     let wide = growth.width;
     for i in 0..SHEETS {
         let dice = &mut Dice::new(mixed(key, 100 + i));
         let disc = dice.disc();
-        let out = (disc.length() * dice.between(0.85, 1.0)).min(0.97);
+        let out = (disc.length() * dice.between(0.8, 1.0)).min(0.92);
         let (_, at) = place(growth, top, disc, out);
         let radii = wide
             * DVec3::new(
-                dice.between(0.13, 0.25) * (1.0 - 0.1 * out),
-                half_thickness(out) * dice.between(0.75, 1.15),
-                dice.between(0.09, 0.18) * (1.0 - 0.55 * out),
+                dice.between(0.3, 0.48) * (1.0 - 0.3 * out),
+                half_thickness(out) * dice.between(0.8, 1.2),
+                dice.between(0.2, 0.32) * (1.0 - 0.5 * out),
             );
-        // Tops near one level, a little higher outwards.
-        let center = at + DVec3::Y * (wide * (0.008 * dice.between(-1.0, 1.0) + 0.012 * out) - radii.y);
+        // Tops near one level.
+        let center = at + DVec3::Y * (wide * 0.006 * dice.between(-1.0, 1.0) - radii.y);
         let size = wide * (1.0 - out);
         let turn = out_from(top, wide, center);
         let key = mixed(key, 900 + i);
@@ -124,7 +124,7 @@ fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     }
 }
 
-/// Long thin threads that reach beyond the sheets, all around.
+/// Long thin plumes of ice that the wind draws out of the rim, all around.
 fn fibres(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     let wide = growth.width;
     for i in 0..FIBRES {
@@ -132,13 +132,14 @@ fn fibres(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
         let disc = dice.disc();
         // More of them at the rim.
         let low = dice.unit();
-        let out = 1.04 - 0.45 * low * low;
-        let (_, at) = place(growth, top, disc, out);
-        let long = wide * dice.between(0.08, 0.24);
-        let radii = DVec3::new(long, wide * dice.between(0.004, 0.009), long * dice.between(0.05, 0.14));
-        let center = at + DVec3::Y * wide * (0.012 - half_thickness(out) * dice.between(0.6, 2.2));
+        let out = 1.06 - 0.35 * low * low;
+        let (flat, at) = place(growth, top, disc, out);
+        let down = 0.5 + 0.5 * flat.x;
+        let long = wide * dice.between(0.12, 0.2) * (1.0 + 1.1 * down * dice.unit());
+        let radii = DVec3::new(long, wide * dice.between(0.007, 0.014), long * dice.between(0.1, 0.22));
+        let center = at - DVec3::Y * (radii.y + wide * half_thickness(out) * dice.between(-0.2, 0.8));
         let turn = out_from(top, wide, center);
-        let (size, key) = (0.35 * wide * (1.2 - out), mixed(key, i));
+        let (size, key) = (0.3 * wide * (1.2 - out), mixed(key, i));
         pile.put(Lump { center, radii, turn, size, generation: 1, part: Part::Ice, key });
     }
 }
@@ -150,14 +151,15 @@ fn pouches(growth: &Growth, top: DVec3, sheets: Range<usize>, key: u64, pile: &m
     let mut taken: Vec<(DVec3, f64)> = Vec::new();
     for i in 0..POUCHES {
         let dice = &mut Dice::new(mixed(key, i));
-        let size = wide * dice.between(0.016, 0.032);
+        let size = wide * dice.between(0.024, 0.05);
         let at =
-            top + wide * DVec3::new(dice.between(0.2, 1.15), 0.0, 0.5 * ACROSS * dice.between(-1.0, 1.0));
-        let crowded = |(other, width): &(DVec3, f64)| other.distance(at) < 0.8 * (size + width);
+            top + wide * DVec3::new(dice.between(0.25, 1.25), 0.0, 0.55 * ACROSS * dice.between(-1.0, 1.0));
+        let crowded = |(other, width): &(DVec3, f64)| other.distance(at) < 0.72 * (size + width);
         let Some(under) = underside(&sheets, at).filter(|_| !taken.iter().any(crowded)) else { continue };
         taken.push((at, size));
-        let radii = size * DVec3::new(1.0, dice.between(0.85, 1.15), 1.0);
-        let center = at.with_y(under - 0.3 * radii.y);
+        let radii = size * DVec3::new(1.0, dice.between(0.5, 0.75), 1.0);
+        // Half of it hangs out, and less far from the middle of the patch.
+        let center = at.with_y(under + dice.between(-0.1, 0.4) * radii.y);
         let (turn, key) = (DQuat::IDENTITY, mixed(key, i));
         pile.put(Lump { center, radii, turn, size, generation: 2, part: Part::Pouch, key });
     }
@@ -169,7 +171,8 @@ fn underside(sheets: &[Lump], at: DVec3) -> Option<f64> {
         let p = sheet.turn.inverse() * (at - sheet.center).with_y(0.0) / sheet.radii;
         let inside = 1.0 - p.x * p.x - p.z * p.z;
         // Rims are too thin to carry them.
-        (inside > 0.15).then(|| sheet.center.y - sheet.radii.y * inside.sqrt())
+        // Its edge is a veil: the ice begins behind.
+        (inside > 0.3).then(|| sheet.center.y - 0.5 * sheet.radii.y * inside.sqrt())
     };
     sheets.iter().filter_map(under).reduce(f64::min)
 }

@@ -16,13 +16,13 @@ pub(super) struct Fill {
     lump: f64,
 }
 
-pub(super) const CLOSED: Fill = Fill { spacing: 4.2, open: false, lump: 0.17 };
+pub(super) const CLOSED: Fill = Fill { spacing: 4.2, open: false, lump: 0.2 };
 pub(super) const OPEN: Fill = Fill { spacing: 5.0, open: true, lump: 0.12 };
 
 /// Places tried for lumps on the base.
 const TRIES: u64 = 6000;
 /// Lumps on the base, at most: the rest is for what grows on them.
-const MOST_ON_BASE: usize = 900;
+const MOST_ON_BASE: usize = 800;
 
 /// Grows a field of cells.
 pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
@@ -45,9 +45,11 @@ pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
         placed.push((p, size));
         let half = 0.5 * growth.height * (0.3 + 0.6 * thick) * dice.between(0.75, 1.0);
         let half = half.min(0.9 * size);
-        let radii = DVec3::new(size * dice.between(0.95, 1.3), half, size * dice.between(0.85, 1.1));
+        // A flat base cuts its lower third off.
+        let cut = if fill.open { 0.5 * half } else { 0.0 };
+        let radii = DVec3::new(size * dice.between(0.95, 1.3), half + cut, size * dice.between(0.85, 1.1));
         let lump = Lump {
-            center: p + DVec3::Y * half,
+            center: p + DVec3::Y * (half - cut),
             radii,
             turn: dice.yaw(),
             size,
@@ -63,7 +65,7 @@ pub(super) fn fill(growth: &Growth, fill: &Fill, pile: &mut Pile) {
         let (center, turn, size) = (DVec3::Y * radii.y, DQuat::IDENTITY, radii.x);
         pile.put(Lump { center, radii, turn, size, generation: 0, part: Part::Heap, key });
     }
-    heads(growth.least(0.02 * spacing), pile);
+    heads(growth.least(0.035 * spacing), pile);
 }
 
 /// Low heads on the upper side.
@@ -114,7 +116,7 @@ impl Middles {
                 let wall = 0.75 * coverage;
                 (1.0 - inside / wall).min(1.0) * (1.25 - corner).clamp(0.45, 1.0)
             }
-            false => ((inside - 0.55 * (1.0 - coverage)) * 2.2).min(1.0),
+            false => ((inside - 0.45 * (1.0 - coverage)) * 2.2).min(1.0),
         }
     }
 }

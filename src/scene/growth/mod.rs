@@ -185,7 +185,7 @@ impl Growth {
     /// A cloud of this kind as it is usual.
     pub fn new(kind: GrowthKind, seed: u32) -> Self {
         let (width, height, lean, coverage, age) = match kind {
-            GrowthKind::Humilis => (450.0, 165.0, 0.25, 0.7, 0.2),
+            GrowthKind::Humilis => (450.0, 140.0, 0.25, 0.7, 0.2),
             GrowthKind::Mediocris => (900.0, 620.0, 0.2, 0.65, 0.2),
             GrowthKind::Congestus => (2600.0, 2200.0, 0.12, 0.65, 0.1),
             GrowthKind::Cumulonimbus => (8000.0, 10_000.0, 0.1, 0.7, 0.2),
@@ -217,6 +217,12 @@ impl Growth {
         }
         let turn = heading::from_downwind(self.heading_deg);
         pile.into_lumps().iter().map(|lump| self.placed(lump, turn)).collect()
+    }
+
+    /// Altitude of its flat base, metres; none where it is torn, or rolls hang down from it.
+    pub(super) fn level(&self) -> Option<f64> {
+        let uneven = matches!(self.kind, GrowthKind::Fractus | GrowthKind::ClosedCells);
+        (!uneven).then_some(self.place.y)
     }
 
     /// Radius of the least lump of `usual` metres when all are there.

@@ -17,6 +17,9 @@ const BURIED: f64 = 0.75;
 /// How near the middle of a child may be to another of its generation, of its own radius.
 const CROWDED: f64 = 0.85;
 
+/// Least height of a lump's middle above the base, of its radius.
+const LOWEST: f64 = 0.15;
+
 /// What a lump is part of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
@@ -122,15 +125,13 @@ impl Pile {
         self.lumps.len() >= MOST_LUMPS
     }
 
-    /// Adds a lump. Where it would reach below the base, its lower side is cut: it becomes flatter and stands on it.
+    /// Adds a lump. What reaches below the base is cut off by the level of the cloud; the middle stays above.
     pub fn put(&mut self, mut lump: Lump) {
         if self.is_full() {
             return;
         }
-        let top = lump.center.y + lump.radii.y;
-        if lump.center.y < lump.radii.y && lump.part != Part::Shred {
-            let half = 0.5 * top.max(0.3 * lump.size);
-            (lump.center.y, lump.radii.y) = (half, half);
+        if lump.part != Part::Shred {
+            lump.center.y = lump.center.y.max(LOWEST * lump.radii.y);
         }
         self.grid.add(self.lumps.len() as u32, &lump);
         self.lumps.push(lump);
@@ -163,7 +164,7 @@ impl Pile {
         }
         let center = from.center + from.turn * (brood.seat * from.radii * (from.turn.inverse() * way));
         let generation = from.generation + 1;
-        if center.y < 0.5 * size || self.is_taken(center, size, parent, generation) {
+        if center.y < 0.2 * size || self.is_taken(center, size, parent, generation) {
             return;
         }
         let shape = DVec3::new(dice.between(0.94, 1.16), dice.between(0.84, 1.0), dice.between(0.94, 1.1));

@@ -12,7 +12,7 @@ pub(super) struct Habit {
     depth: f64,
     /// Least and greatest number of turrets that stand out.
     cores: (usize, usize),
-    /// Height of the second turret and of the last, of the first one's.
+    /// Least and greatest height of the turrets beside the first, of its own.
     lesser: (f64, f64),
     /// Radius of a turret at its foot.
     foot: f64,
@@ -28,47 +28,47 @@ pub(super) struct Habit {
 }
 
 const fn brood(tries: u32, lowest: f64, least: f64) -> Brood {
-    Brood { tries, ratio: (0.34, 0.6), seat: 0.92, lowest, least }
+    Brood { tries, ratio: (0.34, 0.6), seat: 0.84, lowest, least }
 }
 
 pub(super) const HUMILIS: Habit = Habit {
     depth: 0.7,
     cores: (2, 4),
-    lesser: (0.9, 0.6),
+    lesser: (0.55, 0.9),
     foot: 0.3,
     flanks: (1, 3),
     waist: 0.34,
-    plumes: 24,
-    shelf: 0.36,
-    broods: [brood(11, -0.2, 0.04), brood(8, -0.2, 0.04), brood(5, -0.1, 0.045)],
+    plumes: 36,
+    shelf: 0.42,
+    broods: [brood(12, -0.25, 0.065), brood(9, -0.25, 0.065), brood(5, -0.2, 0.065)],
 };
 
 pub(super) const MEDIOCRIS: Habit = Habit {
     depth: 0.75,
     cores: (2, 4),
-    lesser: (0.8, 0.45),
+    lesser: (0.4, 0.85),
     foot: 0.36,
     flanks: (2, 4),
     waist: 0.34,
     plumes: 18,
     shelf: 0.2,
-    broods: [brood(13, -0.35, 0.04), brood(9, -0.35, 0.04), brood(5, -0.3, 0.045)],
+    broods: [brood(13, -0.35, 0.07), brood(10, -0.35, 0.07), brood(5, -0.3, 0.07)],
 };
 
 pub(super) const CONGESTUS: Habit = Habit {
     depth: 0.8,
     cores: (3, 5),
-    lesser: (0.8, 0.35),
-    foot: 0.36,
+    lesser: (0.35, 0.85),
+    foot: 0.38,
     flanks: (3, 5),
-    waist: 0.34,
-    plumes: 18,
-    shelf: 0.14,
-    broods: [brood(14, -0.4, 0.035), brood(9, -0.4, 0.035), brood(4, -0.35, 0.04)],
+    waist: 0.3,
+    plumes: 26,
+    shelf: 0.2,
+    broods: [brood(14, -0.4, 0.07), brood(10, -0.4, 0.07), brood(5, -0.35, 0.07)],
 };
 
 /// Generations of lumps on the turrets of a storm.
-const STORM: [Brood; 3] = [brood(15, -0.45, 0.025), brood(8, -0.45, 0.03), brood(2, -0.3, 0.04)];
+const STORM: [Brood; 3] = [brood(14, -0.45, 0.045), brood(9, -0.45, 0.045), brood(3, -0.3, 0.045)];
 
 /// A column of rising air.
 pub(super) struct Plume {
@@ -80,6 +80,8 @@ pub(super) struct Plume {
     pub radius: f64,
     /// How much narrower it is at its head.
     pub waist: f64,
+    /// Horizontal way, metres by metre of height.
+    pub lean: DVec3,
     pub key: u64,
 }
 
@@ -114,23 +116,21 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
     let dice = &mut Dice::new(key);
     let half = 0.5 * growth.width;
     let base = DVec3::new(1.0, 1.0, habit.depth);
-    let sunken = growth.height * (1.0 - 0.3 * growth.age);
+    let sunken = growth.height * (0.93 - 0.3 * growth.age);
+    // Where it is taller than wide, one turret stands out.
+    let slender = (growth.height / growth.width - 1.0).clamp(0.0, 1.0);
     let count = dice.count(habit.cores.0, habit.cores.1);
     let mut plumes: Vec<Plume> = Vec::new();
     for i in 0..count {
-        let rank = i as f64 / (count - 1).max(1) as f64;
-        let share = if i == 0 { 1.0 } else { habit.lesser.0 + (habit.lesser.1 - habit.lesser.0) * rank };
-        let share = if i == 0 { share } else { share * dice.between(0.85, 1.12) };
-        let spread = if i == 0 { 0.4 } else { 0.72 };
+        let lesser = dice.between(habit.lesser.0, habit.lesser.1) * (1.0 - 0.4 * slender);
+        let share = if i == 0 { 1.0 } else { lesser };
+        let spread = if i == 0 { 0.4 } else { 0.8 };
         let foot = apart(dice, &plumes, half, base, spread);
-        let radius = half * habit.foot * (0.65 + 0.35 * share) * dice.between(0.9, 1.15);
-        plumes.push(Plume {
-            foot,
-            height: sunken * share,
-            radius,
-            waist: habit.waist,
-            key: mixed(key, 100 + i as u64),
-        });
+        let strength = (0.65 + 0.35 * share) * (1.0 + 0.7 * slender);
+        let radius = half * habit.foot * strength * dice.between(0.85, 1.15);
+        let lean = 0.22 * dice.disc();
+        let key = mixed(key, 100 + i as u64);
+        plumes.push(Plume { foot, height: sunken * share, radius, waist: habit.waist, lean, key });
     }
     let cores = plumes.len();
     for i in 0..cores {
@@ -145,20 +145,15 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
         if out > 0.92 {
             continue;
         }
-        let shelf = sunken * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
+        let height = sunken * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
         let radius = half * habit.foot * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-        plumes.push(Plume {
-            foot,
-            height: shelf,
-            radius,
-            waist: habit.waist,
-            key: mixed(key, 2000 + i as u64),
-        });
+        let key = mixed(key, 2000 + i as u64);
+        plumes.push(Plume { foot, height, radius, waist: habit.waist, lean: DVec3::ZERO, key });
     }
     plumes
 }
 
-/// Lower turrets close around turret `core`: it stands on shoulders, more of them the higher it is.
+/// Lower turrets close around turret `core`, of any height below its own, which lean away from it.
 fn flank(plumes: &mut Vec<Plume>, core: usize, habit: &Habit, growth: &Growth) {
     let (foot, height, radius, key) = {
         let core = &plumes[core];
@@ -168,14 +163,15 @@ fn flank(plumes: &mut Vec<Plume>, core: usize, habit: &Habit, growth: &Growth) {
     let count = dice.count(habit.flanks.0, habit.flanks.1);
     for i in 0..count {
         let dice = &mut Dice::new(mixed(key, 300 + i as u64));
-        let away = dice.between(0.55, 1.5);
+        let away = dice.between(0.7, 1.5);
         let way = dice.cap(0.0).with_y(0.0).normalize_or(DVec3::X);
         let foot = foot + way * DVec3::new(1.0, 0.0, habit.depth) * away * radius;
-        // Steps down from the turret, by chance.
-        let height = height * (1.06 - 0.36 * away) * dice.between(0.62, 1.0);
+        let height = height * dice.between(0.3, 0.85);
         let radius = radius * dice.between(0.55, 0.85);
+        let lean = dice.between(0.0, 0.3) * way;
         if (foot / DVec3::new(1.0, 1.0, habit.depth)).length() < 0.5 * growth.width {
-            plumes.push(Plume { foot, height, radius, waist: habit.waist, key: mixed(key, 400 + i as u64) });
+            let key = mixed(key, 400 + i as u64);
+            plumes.push(Plume { foot, height, radius, waist: habit.waist, lean, key });
         }
     }
 }
@@ -193,65 +189,89 @@ fn apart(dice: &mut Dice, plumes: &[Plume], half: f64, base: DVec3, spread: f64)
     best.1
 }
 
-/// The chain of lumps of a plume: wide at the foot, narrower above, with a head; it wanders, and leans with the shear.
+/// The chain of lumps of a plume: wide at the foot, narrower above, with a head that bulges; it wanders, leans its
+/// own way and with the shear.
 fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
     let dice = &mut Dice::new(plume.key);
-    let slender = (growth.height / growth.width - 1.0).clamp(0.0, 1.0);
-    let bends = Bends::of(plume, slender);
-    let mut radius = plume.radius.min(0.62 * plume.height).max(0.2 * plume.radius);
-    let mut at = plume.foot + DVec3::Y * 0.45 * radius;
-    let mut step = 0;
-    loop {
+    // Low air is flat: no lump is taller than it.
+    let foot = plume.radius.min(0.62 * plume.height).max(0.2 * plume.radius);
+    let shape = Shape::of(plume, foot);
+    let mut at = plume.foot + DVec3::Y * 0.3 * foot;
+    let mut radius = foot;
+    for step in 0..=40 {
         let rest = plume.height - at.y;
-        let last = rest < 1.25 * radius;
+        let last = rest < 1.25 * radius || step == 40;
         if last {
             // The head ends at the height of the plume.
-            at.y = at.y.max(plume.height - radius);
+            at.y = at.y.max(plume.height - 0.9 * radius);
         }
         put(pile, dice, at, radius, mixed(plume.key, step));
-        if last || step > 40 {
+        if last {
+            crown(pile, at, radius, shape.slender, plume.key);
             break;
         }
-        let rise = radius * dice.between(0.5, 0.8);
-        let share = at.y / growth.height;
+        let rise = radius * dice.between(0.45, 0.75);
         let along = (at.y / plume.height).min(1.0);
-        at += DVec3::new(growth.lean * rise * (0.5 + share), rise, 0.0) + 0.32 * radius * dice.disc();
-        at += rise * bends.slope(along);
-        let waist = (1.0 - (1.0 - 0.7 * slender) * plume.waist * along) * bends.bulge(along);
-        let flare = 1.0 + growth.age * 0.5 * (at.y / plume.height).min(1.0);
-        radius = plume.radius.min(0.62 * plume.height) * waist * flare * dice.between(0.85, 1.15);
-        step += 1;
+        at += DVec3::new(growth.lean * rise * (0.5 + at.y / growth.height), rise, 0.0);
+        at += rise * shape.way(along) + 0.25 * radius * dice.disc();
+        let flare = 1.0 + growth.age * 0.5 * along;
+        radius = foot * shape.width((at.y / plume.height).min(1.0)) * flare * dice.between(0.88, 1.12);
     }
 }
 
-/// How a slender column departs from a straight cone.
-struct Bends {
+/// Lumps around the head of a turret, as many as it is slender: it is wider than its neck.
+fn crown(pile: &mut Pile, at: DVec3, radius: f64, slender: f64, key: u64) {
+    for i in 0..(4.0 * slender).round() as u64 {
+        let key = mixed(key, 5000 + i);
+        let dice = &mut Dice::new(key);
+        let way = dice.cap(0.0).with_y(0.0).normalize_or(DVec3::X);
+        let size = radius * dice.between(0.5, 0.75);
+        let at = at + dice.between(0.7, 1.0) * radius * way - DVec3::Y * radius * dice.between(-0.1, 0.6);
+        put(pile, dice, at, size, key);
+    }
+}
+
+/// How the column of a plume departs from a straight one.
+struct Shape {
+    /// How much of a turret it is, not low air: 0 to 1.
+    slender: f64,
     /// Horizontal way from its foot up, metres by metre; it turns back above.
-    way: DVec3,
+    bend: DVec3,
     /// Share of the height where it turns.
     turn: f64,
-    /// Places, shares of the height, and strengths of its bulges and waists.
-    bulges: [(f64, f64); 3],
+    /// Its own lean, metres by metre.
+    lean: DVec3,
+    /// How much narrower its neck is, and wider its head.
+    neck: f64,
+    head: f64,
+    /// Share of the height where it is narrowest.
+    narrow: f64,
 }
 
-impl Bends {
-    fn of(plume: &Plume, slender: f64) -> Self {
+impl Shape {
+    fn of(plume: &Plume, foot: f64) -> Self {
         let dice = &mut Dice::new(mixed(plume.key, 9000));
-        let way = 0.45 * slender * dice.disc();
+        let slender = (plume.height / (4.0 * foot) - 0.5).clamp(0.0, 1.0);
+        let bend = 0.35 * slender * dice.disc();
         let turn = dice.between(0.35, 0.65);
-        let bulges = [(0.2, 0.3), (0.55, -0.3), (0.82, 0.45)];
-        let bulge =
-            |(at, by): (f64, f64)| (at + dice.between(-0.12, 0.12), by * slender * dice.between(0.6, 1.4));
-        Self { way, turn, bulges: bulges.map(bulge) }
+        let neck = plume.waist * dice.between(0.7, 1.2);
+        let head = slender * dice.between(0.0, 0.35);
+        Self { slender, bend, turn, lean: slender * plume.lean, neck, head, narrow: dice.between(0.45, 0.7) }
     }
 
-    fn slope(&self, along: f64) -> DVec3 {
-        self.way * (1.0 - along / self.turn)
+    /// Horizontal way at a share of the height, metres by metre.
+    fn way(&self, along: f64) -> DVec3 {
+        self.lean + self.bend * (1.0 - along / self.turn)
     }
 
-    fn bulge(&self, along: f64) -> f64 {
-        let near = |at: f64| (1.0 - ((along - at) / 0.22) * ((along - at) / 0.22)).max(0.0);
-        1.0 + self.bulges.iter().map(|(at, by)| by * near(*at)).sum::<f64>()
+    /// Radius at a share of the height, of the foot's.
+    fn width(&self, along: f64) -> f64 {
+        if along < self.narrow {
+            let down = 1.0 - along / self.narrow;
+            return 1.0 - self.neck * (1.0 - down * down);
+        }
+        let up = (along - self.narrow) / (1.0 - self.narrow);
+        1.0 - self.neck + self.head * up * (2.0 - up)
     }
 }
 

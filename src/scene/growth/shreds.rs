@@ -50,7 +50,7 @@ fn patch(growth: &Growth, key: u64, rank: u64, pile: &mut Pile) {
         // What is higher is farther downwind.
         at.x += growth.lean * 0.8 * (at.y - last.0.y);
         let radii =
-            size * DVec3::new(dice.between(1.3, 2.6), dice.between(0.32, 0.6), dice.between(0.6, 1.0));
+            size * DVec3::new(dice.between(1.1, 2.0), dice.between(0.45, 0.75), dice.between(0.7, 1.1));
         let lump = Lump {
             center: at,
             radii,

@@ -21,9 +21,9 @@ pub(super) fn of(growth: &Growth, lump: &Lump) -> (f64, Option<Edge>) {
         // Thick ice near the tower keeps its billows, thin ice is all threads.
         Part::Ice => {
             let near = (lump.size / growth.width).clamp(0.0, 1.0);
-            (0.05 + 0.2 * near * near, own(1.2 * least, hundredth(0.9 - 0.35 * near)))
+            (0.04 + 0.32 * near * near, own(least, hundredth(0.9 - 0.45 * near)))
         }
-        Part::Pouch => (0.22, own(0.5 * least, 0.3)),
+        Part::Pouch => (0.2, own(0.35 * least, 0.4)),
     };
     (hundredth(density), edge)
 }

@@ -23,7 +23,7 @@ const FAR: f64 = 42_000.0;
 /// Half the width of what is filled with clouds, by metre of distance: a little more than a picture shows.
 const ASIDE: f64 = 0.72;
 /// Widths by a power law: least, greatest, metres.
-const LEAST: f64 = 320.0;
+const LEAST: f64 = 450.0;
 const GREATEST: f64 = 3000.0;
 
 /// The clouds of a sky, the one in front first.
@@ -65,7 +65,7 @@ fn one(dice: &mut Dice, phase: f64) -> Growth {
     let share = dice.unit();
     let width = LEAST / (1.0 - share * (1.0 - LEAST / GREATEST));
     // Far off only the large ones are told apart.
-    let width = width.max(away * 0.035);
+    let width = width.max(away * 0.042);
     let kind = match width {
         w if w < 600.0 => GrowthKind::Humilis,
         w if w < 1500.0 => GrowthKind::Mediocris,

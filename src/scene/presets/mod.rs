@@ -116,6 +116,9 @@ impl Preset {
         if scene.camera.is_none() {
             scene.camera = scene.bounds().map(|bounds| portrait(bounds, scene.ground.altitude));
         }
+        if self == Self::Cumulonimbus {
+            look_from_afar(&mut scene);
+        }
         scene
     }
 
@@ -229,6 +232,15 @@ fn tower(seed: u32) -> Growth {
         age: 0.0,
         ..Growth::new(GrowthKind::Congestus, seed)
     }
+}
+
+/// From so far that the near rim of an anvil does not hide what is above it.
+fn look_from_afar(scene: &mut Scene) {
+    const FARTHER: f64 = 1.8;
+    let Some(camera) = &mut scene.camera else { return };
+    let way = (camera.target - camera.position).with_y(0.0);
+    camera.position -= (FARTHER - 1.0) * way;
+    camera.projection = Projection::Perspective { vertical_fov_deg: 20.0 };
 }
 
 /// From a hill, far over the land.

@@ -48,31 +48,31 @@ fn make(kind: GrowthKind) -> Make {
     let heap = Make {
         concentration_per_cm3: 300.0,
         effective_radius_um: 11.0,
-        boundary: 0.045,
+        boundary: 0.055,
         wispiness: 0.0,
         blend: 0.15,
-        stratification: 0.75,
+        stratification: 0.65,
         dilution: 0.0,
         lee: 0.15,
         veiled_base: 0.3,
-        billows: 0.12,
+        billows: 0.145,
     };
     match kind {
         GrowthKind::Humilis => {
-            Make { concentration_per_cm3: 350.0, boundary: 0.053, wispiness: 0.05, ..heap }
+            Make { concentration_per_cm3: 400.0, boundary: 0.075, wispiness: 0.05, billows: 0.16, ..heap }
         }
         GrowthKind::Mediocris => heap,
-        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.037, ..heap },
+        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.046, ..heap },
         GrowthKind::Cumulonimbus => Make {
             concentration_per_cm3: 100.0,
             effective_radius_um: 12.0,
-            boundary: 0.03,
+            boundary: 0.036,
             wispiness: 0.05,
             stratification: 0.95,
             ..heap
         },
         GrowthKind::Fractus => Make {
-            concentration_per_cm3: 250.0,
+            concentration_per_cm3: 450.0,
             effective_radius_um: 10.0,
             boundary: 0.09,
             wispiness: 0.35,
@@ -81,9 +81,14 @@ fn make(kind: GrowthKind) -> Make {
             lee: 0.6,
             ..heap
         },
-        GrowthKind::ClosedCells | GrowthKind::OpenCells => {
-            Make { concentration_per_cm3: 150.0, boundary: 0.12, wispiness: 0.25, billows: 0.4, ..heap }
-        }
+        GrowthKind::ClosedCells | GrowthKind::OpenCells => Make {
+            concentration_per_cm3: 150.0,
+            boundary: 0.28,
+            wispiness: 0.25,
+            blend: 0.7,
+            billows: 0.7,
+            ..heap
+        },
     }
 }
 

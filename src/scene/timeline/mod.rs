@@ -113,10 +113,13 @@ impl Timeline {
         self.check_reaches(scene, at, |_| true)
     }
 
-    /// Checks what a moment is made of, however far off other moments may be. The wind's whole past counts.
+    /// Checks what a moment is made of, however far off other moments may be. The whole past of wind and of
+    /// noises' rates counts.
     pub(super) fn check_for_moment(&self, scene: &Scene, at: At) -> Result<()> {
         self.check_shape(at)?;
-        self.check_reaches(scene, at, |track| track.path.starts_with("wind"))
+        self.check_reaches(scene, at, |track| {
+            track.path.starts_with("wind") || track.path.ends_with("noise.rate")
+        })
     }
 
     /// Checks all that needs no scene.

@@ -240,6 +240,7 @@ fn shell(cloud: &Cloud) -> Cloud {
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),
         blend: cloud.blend,
+        level: cloud.level,
         stratification: cloud.stratification,
         dilution: cloud.dilution,
         evaporation: cloud.evaporation.clone(),

@@ -2,7 +2,6 @@
 
 use glam::{UVec3, Vec3, Vec4};
 
-use super::Lights;
 use crate::{frame::medium::EllipsoidUniform, gpu};
 
 /// `Field` of `shaders/lib/field.wgsl`.
@@ -45,21 +44,25 @@ impl FieldBox {
 pub(super) struct Level {
     pub uniform: FieldUniform,
     pub buffer: wgpu::Buffer,
+    /// Extinction, 1/m.
+    pub cells: wgpu::Buffer,
+    /// Moments by light and cell: of the light that is given, of what is scattered of it, and how much the
+    /// last round changed that.
+    pub given: wgpu::Buffer,
     pub moments: wgpu::Buffer,
+    pub change: wgpu::Buffer,
 }
 
 impl Level {
-    pub fn dark(device: &wgpu::Device, lights: Lights) -> Self {
-        let uniform =
-            FieldUniform { size: UVec3::ONE, lights: lights.count(), ..bytemuck::Zeroable::zeroed() };
-        Self::new(device, uniform)
-    }
-
     pub fn new(device: &wgpu::Device, uniform: FieldUniform) -> Self {
-        let bytes = u64::from(cells(&uniform)) * u64::from(uniform.lights) * 64;
+        let count = u64::from(cells(&uniform));
+        let moments = |label| scratch(device, label, count * u64::from(uniform.lights) * 64);
         Self {
             buffer: gpu::uniform_buffer(device, "field", &uniform),
-            moments: scratch(device, "moments", bytes),
+            cells: scratch(device, "field cells", count * 4),
+            given: moments("given light"),
+            moments: moments("moments"),
+            change: moments("change of moments"),
             uniform,
         }
     }

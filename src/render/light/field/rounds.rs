@@ -33,6 +33,12 @@ pub fn relaxations(lowest: f64) -> [f32; ROUNDS + PLAIN] {
     })
 }
 
+/// How far a single round goes, where `lowest` is the least moment of the phase function: all the way, but for
+/// droplets that throw light back, whose flux would go to and fro.
+pub fn one_round(lowest: f64) -> f32 {
+    (1.0 / (1.0 - 0.7 * lowest.min(0.0))) as f32
+}
+
 /// Share of the slowest disturbance that may be left in a thick cloud, and most repeats for that.
 const ENOUGH: f64 = 0.05;
 const MOST_REPEATS: f64 = 8.0;

@@ -11,8 +11,8 @@ pub(in crate::render) static MODEL: Model = Model {
     textures: |parts| {
         let field = parts.light.field.as_ref();
         let mut list = parts.sunlight();
-        list.push((4, field.map_or(parts.dark, |field| &field.sun)));
-        list.push((5, field.and_then(|field| field.sky.as_ref()).unwrap_or(parts.dark)));
+        list.push((4, field.map_or(parts.dark, |field| &field.sun.view)));
+        list.push((5, field.and_then(|field| field.sky.as_ref()).map_or(parts.dark, |sky| &sky.view)));
         list.push((6, &parts.species.beyond));
         list
     },
