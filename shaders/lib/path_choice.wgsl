@@ -55,13 +55,14 @@ fn balanced(densities: vec3f) -> vec3f {
     return densities * (3.0 / max(densities.x + densities.y + densities.z, 1e-30));
 }
 
-// A number of collisions near `count`, or unlike it where `apart`, and the chance to be drawn: that
-// falls by half with each step away. Numbers below 1 mean that there is none.
+// A number of collisions near `count`, or unlike it where `apart`, and the chance to be drawn: a quarter
+// with each step away. Numbers below 1 mean that there is none.
 fn neighbour_count(count: u32, apart: bool, side: f32, far: f32) -> vec2f {
-    let steps = floor(-log2(1.0 - far)) + select(0.0, 1.0, apart);
-    let sides = select(2.0, 1.0, steps == 0.0);
-    let chance = exp2(-steps - select(1.0, 0.0, apart)) / sides;
-    return vec2f(f32(count) + select(steps, -steps, side < 0.5), chance);
+    let beyond = floor(-0.5 * log2(1.0 - far));
+    let steps = beyond + select(0.0, 1.0, apart);
+    let sides = select(2.0, 1.0, steps == 0.0 || count == 0u);
+    let chance = 0.75 * exp2(-2.0 * beyond) / sides;
+    return vec2f(f32(count) + select(steps, -steps, side < 0.5 && count > 0u), chance);
 }
 
 // Chance of a walk to the sun to be taken that would bring this `light`, where `dim` is little.

@@ -4,15 +4,15 @@
 // The directions of such a chain are drawn backwards from the sun, each by the peak about the
 // next one, so that their densities cancel, and the walk takes them in turn. Of n collisions it must
 // meet just n, for each n by itself: a walk straight to the sun, by the same random numbers, meets as many as
-// most others do. That number is always tried, and another one now and then, which weighs the more.
+// most others do. That number is always tried, and one of the others by chance, which weighs the more.
 // Wide collisions are taken off as what is expected of them.
 // @use atmosphere path_medium path_state
 
 override ATMOSPHERE: bool = true;
 // Chances of another number of peak collisions to be tried, where the straight walk reached the sun and where
 // it did not.
-override OTHER: f32 = 0.5;
-override OTHER_HIDDEN: f32 = 0.1;
+override OTHER: f32 = 1.0;
+override OTHER_HIDDEN: f32 = 0.5;
 // Walks to the sun that would bring less than this, 1/sr, are taken now and then.
 override DIM: f32 = 0.03;
 
@@ -71,7 +71,7 @@ fn end_walk(path: ptr<function, Path>) -> u32 {
     (*path).mode = CHAIN;
     if straight && (*path).chained {
         let chance = select(OTHER_HIDDEN, OTHER, seen);
-        let other = neighbour_count(count, seen, draw(), draw());
+        let other = neighbour_count(select(max(count, 1u), count, seen), seen, draw(), draw());
         (*path).other = select(0u, u32(clamp(other.x, 0.0, 65535.0)), draw() < chance);
         (*path).other_weight = 1.0 / (chance * other.y);
         (*path).kept = random_state;

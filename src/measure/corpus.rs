@@ -60,7 +60,7 @@ const fn held_out(name: &'static str, make: fn() -> Scene) -> Entry {
 }
 
 /// All pictures. Those held out are of other seeds and, where they can be, of other kinds.
-pub const CORPUS: [Entry; 27] = [
+pub const CORPUS: [Entry; 34] = [
     fit("humilis-front", || portrait(Smooth::Humilis.scene(1), FRONT, 40.0)),
     fit("humilis-back", || portrait(Smooth::Humilis.scene(1), BACK, 25.0)),
     fit("mediocris-side", || portrait(Smooth::Mediocris.scene(1), EAST, 25.0)),
@@ -73,6 +73,8 @@ pub const CORPUS: [Entry; 27] = [
     fit("stratocumulus-below", stratocumulus_below),
     fit("sheet-back", sheet_back),
     fit("kol-thick", || seen(sunlit(scaled(Preset::Kol.scene(1), 4.0), 120.0, 65.0), dvec3(0.0, -0.2, 1.0))),
+    fit("grown-mediocris-front", || portrait(Preset::Mediocris.scene(1), FRONT, 40.0)),
+    fit("grown-congestus-side", || portrait(scaled(Preset::Congestus.scene(1), 0.5), EAST, 25.0)),
     held_out("humilis-side", || portrait(Smooth::Humilis.scene(12), WEST, 25.0)),
     held_out("mediocris-front", || portrait(Smooth::Mediocris.scene(12), 160.0, 40.0)),
     held_out("mediocris-back", || portrait(Smooth::Mediocris.scene(12), 340.0, 25.0)),
@@ -88,6 +90,11 @@ pub const CORPUS: [Entry; 27] = [
     held_out("humilis-sunset", || portrait(Smooth::Humilis.scene(13), 245.0, 3.0)),
     held_out("wisps", wisps),
     held_out("glory", glory),
+    held_out("grown-humilis-side", || portrait(Preset::Humilis.scene(12), WEST, 30.0)),
+    held_out("grown-mediocris-back", || portrait(Preset::Mediocris.scene(12), BACK, 25.0)),
+    held_out("grown-congestus-low", || portrait(scaled(Preset::Congestus.scene(12), 0.5), 250.0, 5.0)),
+    held_out("grown-tower-front", || portrait(scaled(Preset::Tower.scene(12), 0.25), 160.0, 35.0)),
+    held_out("facing", facing),
 ];
 
 /// Compass directions of the sun for a camera that looks north, degrees; a little off the line
@@ -214,6 +221,13 @@ fn two_spheres() -> Scene {
     let clouds = [ball(dvec3(-150.0, 1130.0, 0.0), 90.0), ball(dvec3(110.0, 1000.0, 0.0), 120.0)];
     let scene = of(clouds.map(|sphere| cloud(vec![sphere], 30.0, 0.2)).into(), 60.0, 12);
     portrait(scene, WEST, 20.0)
+}
+
+/// Two clouds; the small one turns its dark side to the bright side of the other, which lights it.
+fn facing() -> Scene {
+    let clouds = [ball(dvec3(-130.0, 1080.0, 0.0), 150.0), ball(dvec3(90.0, 950.0, 0.0), 75.0)];
+    let scene = of(clouds.map(|sphere| cloud(vec![sphere], 30.0, 0.2)).into(), 60.0, 13);
+    portrait(scene, EAST, 35.0)
 }
 
 /// Lumps with a deep crease between them, which the sun behind the camera shines into.

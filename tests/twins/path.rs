@@ -123,26 +123,28 @@ fn choices() -> Vec<Twin> {
         )
         .edges(grid(&[0.0, 3.0], &[0.0, 1.0], &[0.25, 0.75], &[0.0, 0.3, 0.6, 0.9, 0.999]))
         .over("all", |random| {
-            // Off the powers of 1/2, where a rounding makes another number.
-            let far = 1.0 - random.between(0.51, 0.99) * 0.5_f64.powi(random.index(12) as i32);
+            // Off the powers of 1/4, where a rounding makes another number.
+            let far = 1.0 - random.between(0.26, 0.99) * 0.25_f64.powi(random.index(7) as i32);
             scalars([random.index(40) as f64, random.index(2) as f64, random.between(0.0, 1.0), far])
         }),
     ]
 }
 
-/// Each number twice as likely as the next one away; those apart begin one step off.
+/// Each number four times as likely as the next one away; those apart begin one step off, and 0 has
+/// neighbours on one side only.
 fn neighbour_count(x: &Wide) -> Output {
     let [count, apart, side, far] = x[0];
-    let (mut steps, mut share) = (0, 0.5);
-    while far >= 1.0 - share {
-        share *= 0.5;
+    let (mut steps, mut beyond) = (0, 0.25);
+    let mut share = 0.75;
+    while far >= 1.0 - beyond {
+        beyond *= 0.25;
+        share *= 0.25;
         steps += 1;
     }
-    let apart = i32::from(apart > 0.5);
-    let steps = f64::from(steps + apart);
-    let sides = if steps == 0.0 { 1.0 } else { 2.0 };
-    let number = if side < 0.5 { count - steps } else { count + steps };
-    [number, share / sides, f64::NAN, f64::NAN]
+    let steps = f64::from(steps + i32::from(apart > 0.5));
+    let one_sided = steps == 0.0 || count == 0.0;
+    let number = if count > 0.0 && side < 0.5 { count - steps } else { count + steps };
+    [number, if one_sided { share } else { 0.5 * share }, f64::NAN, f64::NAN]
 }
 
 fn weights() -> Vec<Twin> {
