@@ -183,6 +183,7 @@ fn a_homogeneous_ellipsoid_twice_is_one_once(cases: u32) {
     let hard = calm_scenes().prop_map(|mut scene| {
         for cloud in &mut scene.clouds {
             (cloud.edge.boundary, cloud.stratification, cloud.dilution) = (0.0, 0.0, 0.0);
+            cloud.level = None;
             for ellipsoid in &mut cloud.ellipsoids {
                 (ellipsoid.edge, ellipsoid.density) = (None, 1.0);
             }

@@ -18,8 +18,8 @@ const CLOUDS: f64 = 0.92;
 const SKY: f64 = 0.6;
 /// Where it lies at least: a day stays day behind clouds that the sun shines through, whose rims may be white.
 const LEAST_SKY: f64 = 0.4;
-/// The light of a clear sky by day over the dimmest that is exposed as day; the least of a dimmer one falls off as the
-/// cube root of its light, so that dusk stays dusk behind what the sun still reaches.
+/// The light of a clear sky by day over the dimmest that is exposed as day; the least of a dimmer one falls off as
+/// its light, so that dusk stays dusk behind what the sun still reaches.
 const BRIGHT_DAY: f64 = 40.0;
 /// What covers a smaller share of the picture is not metered.
 const LEAST_COVER: f64 = 1e-3;
@@ -72,7 +72,7 @@ fn metered(clouds: &Picture, sky: Option<&Picture>, dimmest: f64) -> f64 {
         brighter_half(behind.map(|(sky, cloud)| (brightest(sky), 1.0 - cloud[3])))
     });
     let of_clouds = lit.map(|light| CLOUDS / light.max(dimmest));
-    let day = |light: f64| (light / (BRIGHT_DAY * dimmest)).min(1.0).cbrt();
+    let day = |light: f64| (light / (BRIGHT_DAY * dimmest)).min(1.0);
     let of_sky = clear.map(|light| [LEAST_SKY * day(light), SKY].map(|shown| shown / light.max(dimmest)));
     let factor = match (of_clouds, of_sky) {
         (Some(clouds), Some([least, most])) => Some(clouds.clamp(least, most)),
