@@ -136,7 +136,7 @@ fn body(source: &str) -> Vec<f32> {
     let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some("Body")).unwrap().1;
     let wgpu::naga::TypeInner::Struct { members, span } = &found.inner else { panic!("a struct") };
     let mut body = vec![0.0; *span as usize / 4];
-    for (name, value) in [("power", 2.0), ("reach", 1e4)] {
+    for (name, value) in [("power", 2.0), ("reach", 1e4), ("level", -1e30)] {
         let member = members.iter().find(|member| member.name.as_deref() == Some(name)).unwrap();
         body[member.offset as usize / 4] = value;
     }
