@@ -4,10 +4,11 @@
 use crate::common;
 
 use common::picture::{draw, renderer, scene};
+use glam::DVec3;
 use nephos::{
     export::Picture,
     render::{Quality, Transport},
-    scene::{Scene, SunPosition},
+    scene::{Camera, Projection, Scene, SunPosition},
 };
 
 const SIZE: [u32; 2] = [48, 27];
@@ -146,4 +147,50 @@ fn a_moved_camera_makes_no_light_again_and_a_moved_sun_does() {
     scene.sun.position = SunPosition::Angles { azimuth_deg: 100.0, elevation_deg: 20.0 };
     draw(&mut renderer, &scene, SIZE, false);
     assert!(renderer.light_updates() >= moved + 3);
+}
+
+#[test]
+fn light_goes_to_where_the_eye_is_now() {
+    let scene = noisy("\"none\"", 1.0, 1.0);
+    let from = |to_camera: DVec3, distance: f64, projection: Projection| {
+        let target = DVec3::new(30.0, 910.0, 10.0);
+        let position = target + distance * to_camera.normalize();
+        Scene { camera: Some(Camera { position, target, roll_deg: 0.0, projection }), ..scene.clone() }
+    };
+    let lens = |distance: f64| Projection::Perspective {
+        vertical_fov_deg: 2.0 * (150.0 / distance).atan().to_degrees(),
+    };
+    let near = from(DVec3::new(1.0, 0.3, 0.4), 600.0, lens(600.0));
+    let far = from(DVec3::new(-0.4, 0.1, 1.0), 40_000.0, lens(40_000.0));
+    let parallel = from(DVec3::new(-0.4, 0.1, 1.0), 40_000.0, Projection::Orthographic { height: 300.0 });
+    // Whatever was drawn before.
+    let quality = Quality { jitter: false, ..Quality::PREVIEW };
+    let mut kept = renderer(quality, Transport::MOMENTS);
+    let [first, there, back] = [&near, &far, &near].map(|scene| draw(&mut kept, scene, SIZE, false));
+    assert_eq!(first.pixels, back.pixels);
+    assert_ne!(first.pixels, there.pixels);
+    // From far away, lines of sight are parallel.
+    let flat = draw(&mut kept, &parallel, SIZE, false);
+    let (there, flat) = (light(&there), light(&flat));
+    let (a, b) = (mean(&there), mean(&flat));
+    assert!((a / b - 1.0).abs() < 0.01, "{a} for {b}");
+}
+
+#[test]
+fn an_eye_within_a_cloud_sees_even_light() {
+    // Cells about the eye send it light of all directions: no cell shows.
+    let mut scene = noisy("\"none\"", 1.0, 1.0);
+    let looking = |scene: &mut Scene, east: f64| {
+        let position = DVec3::new(east, 900.0, 0.0);
+        let projection = Projection::Perspective { vertical_fov_deg: 60.0 };
+        let target = position + DVec3::new(0.3, 0.1, -1.0);
+        scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection });
+    };
+    let mut kept = renderer(Quality::PREVIEW, Transport::MOMENTS);
+    let lights = [0.0, 2.0, 4.0, 6.0, 8.0].map(|east| {
+        looking(&mut scene, east);
+        mean(&light(&draw(&mut kept, &scene, SIZE, false)))
+    });
+    let steps: Vec<_> = lights.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).collect();
+    assert!(lights[0] > 0.01 && steps.iter().all(|step| *step < 0.05), "{lights:?}");
 }

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// All light together takes no more memory than that of so many clouds of the largest kind, on
 /// top of the coarsest light of each cloud in the picture.
-const FULL_CLOUDS: u64 = 64;
+const FULL_CLOUDS: u64 = 36;
 /// Coarsest light.
 const LEAST_RESOLUTION: u32 = 16;
 const LEAST_CELLS: u32 = 8;
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn few_clouds_have_all_the_light_they_want() {
-        let frame = frame(60);
+        let frame = frame(36);
         for (_, quality) in Quality::PRESETS {
             let full = Detail { resolution: quality.light_resolution, cells: quality.light_cells };
             assert!(planned(&quality, &frame).iter().all(|detail| *detail == Some(full)));
