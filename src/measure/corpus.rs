@@ -165,7 +165,12 @@ fn scaled(mut scene: Scene, factor: f64) -> Scene {
     let Some((low, high)) = scene.bounds() else { return scene };
     let base = (0.5 * (low + high)).with_y(low.y);
     for cloud in &mut scene.clouds {
+        // What it grew is no longer what it would grow.
+        cloud.growth = None;
         cloud.edge.boundary *= factor;
+        if let Some(noise) = &mut cloud.noise {
+            noise.scale = noise.scale.map(|scale| factor * scale);
+        }
         for ellipsoid in &mut cloud.ellipsoids {
             ellipsoid.center = base + factor * (ellipsoid.center - base);
             ellipsoid.radii *= factor;
@@ -284,6 +289,14 @@ mod tests {
         for (i, entry) in CORPUS.iter().enumerate() {
             entry.scene().validate().unwrap();
             assert!(CORPUS[..i].iter().all(|other| other.name != entry.name), "{}", entry.name);
+        }
+    }
+
+    #[test]
+    fn scenes_are_read_from_references_as_they_are() {
+        for entry in CORPUS {
+            let read = Scene::from_json(&entry.scene().to_json()).unwrap();
+            assert!(read == entry.scene(), "{}", entry.name);
         }
     }
 
