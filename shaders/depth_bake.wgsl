@@ -46,6 +46,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // Outside of all, the edge is that of the nearest.
     let edge = lumps_edge(lumps, volume_frame.power, volume_frame.reach);
     let inside = vec4f(min(edge.depth, DEEPEST), edge.extinction, edge.boundary, edge.wispiness);
+    // Lumps that are not listed are a cell beyond the walls of the brick or farther.
+    let walls = vec3f(min(corner, DEPTH_CELLS - corner)) / f32(DEPTH_CELLS);
+    let unlisted = volume_frame.brick * (min(walls.x, min(walls.y, walls.z)) + 1.0 / f32(DEPTH_CELLS));
+    nearest.x = max(nearest.x, -unlisted);
     let told = select(nearest, inside, lumps.weight > 0.0);
     let texel = vec4f(told.x, told.y / volume_frame.core, told.z, told.w);
     textureStore(atlas, depth_slot(volume_frame, number) + corner, texel);

@@ -233,3 +233,15 @@ fn the_shadow_of_another_cloud_is_that_of_what_it_is_made_of() {
         assert!((found / (1.0 - f) - 1.0).abs() < 0.12, "{phase}: {found} for {}", 1.0 - f);
     }
 }
+
+#[test]
+fn no_lump_behind_the_wall_of_a_brick_is_jumped_over() {
+    // Flat lumps side by side, six kilometres of them: bricks are as wide as gaps between lumps.
+    let deck = Scene::load("examples/scenes/gallery-glory.json").unwrap();
+    let of = |from| draw(&mut baking(from, Transport::SINGLE), &deck, [96, 54], false);
+    let (baked, exact) = (of(1), of(u32::MAX));
+    let apart = baked.pixels.iter().zip(&exact.pixels).map(|(a, b)| (a[1] / b[1] - 1.0).abs());
+    let worst = apart.fold(0.0, f32::max);
+    // A ray that jumps sees the dark between: 0.3.
+    assert!(worst < 0.2, "{worst}");
+}
