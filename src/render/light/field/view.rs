@@ -10,6 +10,7 @@ use super::{
 use crate::{
     frame::CameraUniform,
     gpu::{self, ComputeProgram},
+    render::light::sun::volume,
 };
 
 /// Where a cloud at `origin` is looked at from, as `lib/field_view.wgsl` takes it: the eye's place in the
@@ -39,7 +40,7 @@ impl SolvedLight {
     /// Room for the solution on a level.
     pub(super) fn new(device: &wgpu::Device, level: &Level, lights: Lights) -> Self {
         let cells = cells(&level.uniform);
-        let texture = super::super::sun::volume(device, "solved light", level.uniform.size.to_array());
+        let texture = volume(device, "solved light", level.uniform.size.to_array());
         Self {
             lights,
             cells,
