@@ -26,7 +26,9 @@ struct Cloud {
     growth: f32,
     // What is seen of a ray and is lit at once.
     lit_at_once: f32,
-    padding: vec2f,
+    // Farthest distance of shadows in the air, m.
+    shadow_range: f32,
+    padding: f32,
     // Distance of what the caller drew = x / (y + z depth) along the view axis.
     scene_depth: vec4f,
 }
@@ -43,6 +45,8 @@ struct Tile {
 override ATMOSPHERE: bool = true;
 // Whether the air between camera and cloud shows.
 override AERIAL: bool = true;
+// Whether that air lacks light that clouds take.
+override AIR_SHADED: bool = false;
 override SCENE_DEPTH: bool = false;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
@@ -54,6 +58,7 @@ override SCENE_DEPTH: bool = false;
 @group(0) @binding(6) var clamped: sampler;
 @group(0) @binding(7) var aerial: texture_3d<f32>;
 @group(0) @binding(8) var scene_depth: texture_depth_2d;
+@group(0) @binding(9) var air_shadow: texture_3d<f32>;
 // The vertex stage's own, so that they don't count among the textures of the fragment stage.
 @group(3) @binding(0) var transmittance: texture_2d<f32>;
 @group(3) @binding(1) var sky_light: texture_2d<f32>;
@@ -142,8 +147,13 @@ fn shade(v: Varyings) -> Shade {
     if !AERIAL {
         return Shade(alpha, light.single, light.multiple, vec3f(0.0), distance, normal);
     }
-    let air = aerial_perspective(aerial, clamped, v.position.xy / camera.size, distance, cloud.aerial_range);
-    return Shade(alpha, light.single * air.a, light.multiple * air.a, alpha * cloud.sun_irradiance * air.rgb,
+    let uv = v.position.xy / camera.size;
+    let air = aerial_perspective(aerial, clamped, uv, distance, cloud.aerial_range);
+    var shining = air.rgb;
+    if AIR_SHADED {
+        shining = max(shining - aerial_perspective(air_shadow, clamped, uv, distance, cloud.shadow_range).rgb, vec3f(0.0));
+    }
+    return Shade(alpha, light.single * air.a, light.multiple * air.a, alpha * cloud.sun_irradiance * shining,
         distance, normal);
 }
 

@@ -1,16 +1,21 @@
 // The background: sky, ground and the sun's disc, into a linear target.
-// @use atmosphere camera sun_disc
+// @use atmosphere camera sun_disc sun_map
 
 // Is the sky an atmosphere, or the same everywhere?
 override ATMOSPHERE: bool = true;
 // Is the sun seen?
 override SUN_DISC: bool = true;
+// Do clouds cast shadows, on the ground and in the air?
+override SHADED: bool = false;
 
 @group(0) @binding(0) var<uniform> sky: Sky;
 @group(0) @binding(1) var<uniform> camera: Camera;
 @group(0) @binding(2) var transmittance: texture_2d<f32>;
 @group(0) @binding(3) var sky_view: texture_2d<f32>;
 @group(0) @binding(4) var linear_sampler: sampler;
+@group(0) @binding(5) var<uniform> map: SunMap;
+@group(0) @binding(6) var lit: texture_2d_array<f32>;
+@group(0) @binding(7) var air_shadow: texture_3d<f32>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -24,10 +29,15 @@ struct Corner {
 }
 
 @fragment fn fragment(@location(0) ndc: vec2f) -> @location(0) vec4f {
-    let direction = camera_ray(camera, ndc).direction;
+    let ray = camera_ray(camera, ndc);
+    let direction = ray.direction;
     var radiance = sky.radiance;
     if ATMOSPHERE {
-        radiance = sky.irradiance * air_and_ground(direction);
+        var light = air_and_ground(direction);
+        if SHADED {
+            light = max(light - shadows(ray, vec2f(0.5, -0.5) * ndc + 0.5), vec3f(0.0));
+        }
+        radiance = sky.irradiance * light;
     }
     if SUN_DISC {
         radiance += sun_disc(direction);
@@ -48,6 +58,21 @@ fn air_and_ground(direction: vec3f) -> vec3f {
     let light = mix(textureSampleLevel(sky_view, linear_sampler, below, 0.0).rgb,
         textureSampleLevel(sky_view, linear_sampler, above, 0.0).rgb, share_above(a, altitude, direction.y, camera.pixel));
     return light / TABLE_SCALE;
+}
+
+// What is lacking of that behind clouds: light of the ground, and of the air before it.
+fn shadows(ray: Ray, uv: vec2f) -> vec3f {
+    let a = sky.atmosphere;
+    let altitude = max(camera.altitude + ray.origin.y, 0.0);
+    let mu = ray.direction.y;
+    let below = 1.0 - share_above(a, altitude, mu, camera.pixel);
+    let down = min(mu, horizon_mu(a, altitude));
+    let to_ground = distance_to_ground(a, altitude, down);
+    let end = select(to_ground, sky.aerial_reach, below < 0.5);
+    let air = aerial_perspective(air_shadow, linear_sampler, uv, end, map.reach).rgb;
+    let light = sun_map_ground(map, lit, linear_sampler, ray.origin + to_ground * ray.direction);
+    let view = AirRay(altitude, down, sky.to_sun.y, dot(ray.direction, sky.to_sun));
+    return air + below * ground_shadow(a, transmittance, linear_sampler, view, to_ground, light);
 }
 
 // Radiance of the disc of the sun, through the air.

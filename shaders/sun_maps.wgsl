@@ -1,5 +1,5 @@
 // Sunlight through a cloud, in the cloud's own frame: a volume of optical depth from
-// the sun (red; green: the part of it that is other clouds' shadow), and, for models of slabs, a map
+// the sun (red; green: the part of it that is other clouds' shadow; blue: that of the cloud alone), and, for models of slabs, a map
 // seen from the sun (depth of the lit surface, of the far one, total optical depth, coverage). One thread marches one column along the light, over the
 // ellipsoids at hand. The map is multiplied by coverage, so that plain
 // averages of it weight by coverage. A sample asks only the ellipsoids that reach into its brick
@@ -116,10 +116,11 @@ fn shadow_of_others(top: vec3f) -> f32 {
     return optical_depth;
 }
 
-// Extinction without the forward peak at a point of the box: of the cloud itself, or of another one that
-// is denser there.
-fn extinction_at(p: vec3f, own: Region, other: Region, blur: f32) -> f32 {
+// Extinction without the forward peak at a point of the box: of the cloud itself or of another one that
+// is denser there, and of the cloud itself.
+fn extinction_at(p: vec3f, own: Region, other: Region, blur: f32) -> vec2f {
     let matter = medium_at(own, p, 0.5 * box.texel, blur);
+    let alone = transported(medium_species(matter.body)) * matter.extinction;
     if SHADED {
         var there = NO_OTHERS;
         for (var i = 0u; i < other.count; i++) {
@@ -127,10 +128,10 @@ fn extinction_at(p: vec3f, own: Region, other: Region, blur: f32) -> f32 {
         }
         there = others_all(there, p, blur);
         if there.matter.extinction > matter.extinction {
-            return transported_others(there.matter);
+            return vec2f(transported_others(there.matter), alone);
         }
     }
-    return transported(medium_species(matter.body)) * matter.extinction;
+    return vec2f(alone);
 }
 
 @compute @workgroup_size(8, 8)
@@ -152,26 +153,29 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         shadow = shadow_of_others(top);
     }
     var optical_depth = shadow;
+    var alone = 0.0;
     var front = 0.0;
     var back = 0.0;
     for (var z = 0u; z < size.z; z++) {
-        var middle = optical_depth;
+        var middle = vec2f(optical_depth, alone);
         let brick = z / BRICK * bricks.x * bricks.y + tile;
         let own = lists[brick];
         let other = lists[all + brick];
         if own.count + other.count > 0u {
             for (var i = 0u; i < SAMPLES; i++) {
                 let w = (f32(z * SAMPLES + i) + 0.5) / f32(size.z * SAMPLES);
-                let thickness = step * extinction_at(light_box_point(box, vec3f(uv, w)), own, other, blur);
+                let both = step * extinction_at(light_box_point(box, vec3f(uv, w)), own, other, blur);
+                let thickness = both.x;
                 if MAPPED {
                     front += column_seen(optical_depth - shadow, thickness) * w;
                     back = select(back, w, thickness > 0.0);
                 }
                 optical_depth += thickness;
-                middle = select(middle, optical_depth, i == SAMPLES / 2u - 1u);
+                alone += both.y;
+                middle = select(middle, vec2f(optical_depth, alone), i == SAMPLES / 2u - 1u);
             }
         }
-        textureStore(volume, vec3u(id.xy, z), vec4f(min(vec2f(middle, shadow), vec2f(MOST)), 0.0, 0.0));
+        textureStore(volume, vec3u(id.xy, z), vec4f(min(vec3f(middle.x, shadow, middle.y), vec3f(MOST)), 0.0));
     }
     if MAPPED {
         textureStore(depths, id.xy, column_map(front, back, optical_depth - shadow, MOST));

@@ -17,7 +17,8 @@ use crate::{
     reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
         BLOCK_EDGE, BLOCK_VOXELS, BRICK, BlockUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
-        LightUniform, MOST_NODES, ResolveUniform, Shown, Tile, Transport, VoxelsUniform, resolve_uniform,
+        LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
+        resolve_uniform,
     },
     scene::{Tone, ToneCurve},
 };
@@ -59,7 +60,12 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 17] = [
+    let cases: [(&str, &str, Layout); 18] = [
+        (
+            "sky",
+            "SunMap",
+            layout!(SunMapUniform: across, squares, aside, sun_radius, along, reach, place, planes),
+        ),
         (
             "path",
             "Scene",
@@ -89,7 +95,7 @@ fn structs_of_rust_and_shaders_agree() {
             "march",
             "Cloud",
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
-                first_step, longest_step, growth, lit_at_once, scene_depth),
+                first_step, longest_step, growth, lit_at_once, shadow_range, scene_depth),
         ),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
         (
@@ -147,6 +153,8 @@ fn constants_of_rust_and_shaders_agree() {
     let tone = |curve| ComposeUniform::new(Tone { stops: 0.0, curve }).curve as f32;
     let shown = |shown| resolve_uniform(1, shown).shown as f32;
     let cases = [
+        ("sky", "SUN_MAP_SQUARES", SunMapUniform::SQUARES as f32),
+        ("sky", "SUN_MAP_LAYERS", SunMapUniform::LAYERS as f32),
         ("march", "BRICK", BRICK as f32),
         ("march", "MOST_NODES", MOST_NODES as f32),
         ("march", "FINE", FINE as f32),

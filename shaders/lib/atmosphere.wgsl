@@ -131,15 +131,21 @@ fn ground_irradiance(ground: texture_2d<f32>, linear_sampler: sampler, mu_sun: f
 
 // ---- Light along a ray ------------------------------------------------------------
 
-// Radiance per metre that the air at a point of `ray` sends to its start.
+// Radiance per metre that the air at a point of a ray sends to its start, of sunlight scattered once.
+fn air_source_of_sun(
+    a: Atmosphere, transmittance: texture_2d<f32>, linear_sampler: sampler, medium: Medium, here: AirRay,
+) -> vec3f {
+    let sun = sun_irradiance_at(a, transmittance, linear_sampler, here.altitude, here.mu_sun);
+    return sun * (medium.rayleigh * rayleigh_phase(here.nu) + medium.mie * haze_phase(a.mie_g, here.nu));
+}
+
+// The same of all light.
 fn air_source(
     a: Atmosphere, transmittance: texture_2d<f32>, multiple: texture_2d<f32>, linear_sampler: sampler,
     medium: Medium, here: AirRay,
 ) -> vec3f {
-    let sun = sun_irradiance_at(a, transmittance, linear_sampler, here.altitude, here.mu_sun);
-    let single = medium.rayleigh * rayleigh_phase(here.nu) + medium.mie * haze_phase(a.mie_g, here.nu);
     let again = multiple_light(a, multiple, linear_sampler, here.altitude, here.mu_sun);
-    return sun * single + again * (medium.rayleigh + medium.mie);
+    return air_source_of_sun(a, transmittance, linear_sampler, medium, here) + again * (medium.rayleigh + medium.mie);
 }
 
 // Light that the first `length` metres of `ray`, inside the atmosphere, send to its
@@ -177,6 +183,28 @@ fn sky_radiance(
     let foot = air_ray_at(a, inside, length);
     let lit = a.ground_albedo / PI * ground_irradiance(ground_table, linear_sampler, foot.mu_sun);
     return light.radiance + select(vec3f(0.0), lit * light.transmittance, ground);
+}
+
+// Transmittance of the air between a point at `altitude` and the foot on the ground of a ray of zenith cosine `mu` that
+// meets it there as `foot`: of the way up from the foot, what the point's own way up does not take.
+fn transmittance_to_ground(
+    a: Atmosphere, transmittance: texture_2d<f32>, linear_sampler: sampler, altitude: f32, mu: f32, foot: AirRay,
+) -> vec3f {
+    let size = vec2f(textureDimensions(transmittance));
+    let whole = textureSampleLevel(transmittance, linear_sampler, transmittance_uv(a, size, 0.0, -foot.mu), 0.0).rgb;
+    let above = textureSampleLevel(transmittance, linear_sampler, transmittance_uv(a, size, altitude, -mu), 0.0).rgb;
+    return saturate(whole / max(above, vec3f(1e-6)));
+}
+
+// What the ground lacks of the radiance that a ray to it sees, where clouds let this share of sunlight through to it;
+// `to_ground` is its distance, m.
+fn ground_shadow(
+    a: Atmosphere, transmittance: texture_2d<f32>, linear_sampler: sampler, ray: AirRay, to_ground: f32, lit: f32,
+) -> vec3f {
+    let foot = air_ray_at(a, ray, to_ground);
+    let sun = max(foot.mu_sun, 0.0) * sun_irradiance_at(a, transmittance, linear_sampler, 0.0, foot.mu_sun);
+    let through = transmittance_to_ground(a, transmittance, linear_sampler, ray.altitude, ray.mu, foot);
+    return (1.0 - lit) * a.ground_albedo / PI * sun * through;
 }
 
 // ---- The view of the sky ------------------------------------------------------------

@@ -54,7 +54,11 @@ fn is_written(ty: BindingType) -> bool {
 
 fn binding_type(space: &str, kind: &str) -> BindingType {
     let buffer = |ty| BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
-    let dimension = if kind.contains("_3d") { TextureViewDimension::D3 } else { TextureViewDimension::D2 };
+    let dimension = match kind {
+        kind if kind.contains("_3d") => TextureViewDimension::D3,
+        kind if kind.contains("_2d_array") => TextureViewDimension::D2Array,
+        _ => TextureViewDimension::D2,
+    };
     let sampled =
         |sample_type| BindingType::Texture { sample_type, view_dimension: dimension, multisampled: false };
     if space.starts_with("<uniform>") {

@@ -7,6 +7,7 @@ mod medium;
 mod picture;
 mod quality;
 mod settings;
+mod shadow;
 mod sky;
 
 pub use light::Transport;
@@ -30,6 +31,9 @@ pub use picture::{
 };
 pub use quality::Quality;
 pub use settings::Settings;
+pub use shadow::SunMap;
+#[cfg(test)]
+pub(crate) use shadow::SunMapUniform;
 pub use sky::{Redone, Sky};
 
 pub use crate::frame::Frame;

@@ -19,6 +19,8 @@ pub struct Quality {
     pub light_resolution: u32,
     /// Cells along the longest axis of the grid that light is solved for on.
     pub light_cells: u32,
+    /// Texels along the edge of the map of the sun's light on ground and air.
+    pub shadow_texels: u32,
     /// Most steps of a ray.
     pub max_steps: u32,
     /// Whether rays start at random fractions of a step, to trade bands for grain.
@@ -36,6 +38,7 @@ impl Quality {
         light_nodes: 2,
         light_resolution: 32,
         light_cells: 24,
+        shadow_texels: 128,
         max_steps: 128,
         jitter: true,
     };
@@ -49,6 +52,7 @@ impl Quality {
         light_nodes: 3,
         light_resolution: 64,
         light_cells: 48,
+        shadow_texels: 256,
         max_steps: 256,
         jitter: true,
     };
@@ -62,6 +66,7 @@ impl Quality {
         light_nodes: 8,
         light_resolution: 128,
         light_cells: 64,
+        shadow_texels: 512,
         max_steps: 768,
         jitter: false,
     };

@@ -17,6 +17,7 @@ mod noise;
 mod pieces;
 mod presets_render;
 mod random_scenes;
+mod shadows;
 mod skies;
 mod skipping;
 mod sky;

@@ -27,6 +27,7 @@ mod path;
 mod picture;
 mod random;
 mod scattering;
+mod shadow;
 mod sky;
 mod slab;
 mod solve;
@@ -60,6 +61,19 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("air_source", "the same"),
     ("air_light", "the same"),
     ("sky_radiance", "the same"),
+    (
+        "air_source_of_sun",
+        "reads tables: tests/picture/shadows.rs holds pictures against the reference, as the next",
+    ),
+    ("transmittance_to_ground", "the same"),
+    ("ground_shadow", "the same"),
+    (
+        "sun_map_in",
+        "reads the map: tests/picture/shadows.rs compares it with pictures from the sun, as the next",
+    ),
+    ("sun_map_light", "the same"),
+    ("sun_map_distance", "the same"),
+    ("sun_map_ground", "the same"),
 ];
 
 fn twins() -> Vec<Twin> {
@@ -70,6 +84,7 @@ fn twins() -> Vec<Twin> {
         slab::twins(),
         air::twins(),
         sky::twins(),
+        shadow::twins(),
         grids::twins(),
         picture::twins(),
         builtins::twins(),

@@ -89,6 +89,12 @@ impl LightBox {
         (light_box, shading)
     }
 
+    /// The same box in a frame whose origin is at `-offset` of its own, m.
+    pub(in crate::render) fn moved(mut self, offset: Vec3) -> Self {
+        self.corner += offset;
+        self
+    }
+
     pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]

@@ -16,7 +16,6 @@ mod slab_tables;
 mod store;
 mod sun;
 
-#[cfg(test)]
 pub use boxes::LightBox;
 #[cfg(test)]
 pub(crate) use bricks::BRICK;
@@ -29,4 +28,4 @@ pub use prepare::LightUniform;
 pub(super) use prepare::{Binding, CloudLight};
 #[cfg(feature = "slabs")]
 pub use slab_tables::{DirectTextures, FunctionTextures};
-pub(super) use store::LightStore;
+pub(super) use store::{LightStore, Presence};

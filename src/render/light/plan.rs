@@ -30,6 +30,9 @@ pub(in crate::render) struct Detail {
 }
 
 impl Detail {
+    /// Of a cloud out of view whose shadow may be in it.
+    pub const SHADOW: Self = Self { resolution: 32, cells: 0 };
+
     /// What the light of a cube takes, bytes; that of any other cloud at most twice that.
     pub fn bytes(self) -> u64 {
         let [resolution, cells] = [self.resolution, self.cells].map(u64::from);

@@ -48,6 +48,15 @@ impl Wanted {
     }
 }
 
+impl Wanted {
+    /// No more than what a `cloud` out of view casts its shadow with.
+    pub fn shadow(inputs: &Inputs<'_>, cloud: &CloudFrame) -> Self {
+        let along = -inputs.to_sun.as_vec3();
+        let sun = SunKey::new(&cloud.medium, &[], along, Detail::SHADOW.resolution, false);
+        Self { sun: inputs.needs.sun.then_some(sun), openness: None, field: None, sky_field: None }
+    }
+}
+
 /// The prepared light of one cloud.
 pub(in crate::render) struct CloudLight {
     pub(super) sun: Option<SunVolume>,
@@ -78,6 +87,11 @@ impl CloudLight {
         let textures: u64 = sun.chain(openness).map(|view| bytes(view.texture())).sum();
         let field = self.field.iter().flat_map(|field| [&field.sun].into_iter().chain(&field.sky));
         textures + field.map(SolvedLight::bytes).sum::<u64>()
+    }
+
+    /// The volume of optical depth to the sun, and its box.
+    pub(super) fn sunlight(&self) -> Option<(LightBox, &TextureView)> {
+        Some((self.made_for.sun.as_ref()?.of.light_box, &self.sun.as_ref()?.volume))
     }
 
     /// Whether nothing that it depends on has changed.

@@ -7,12 +7,12 @@ use super::{
     field::eye_of,
     inputs::Inputs,
     occluders::{Occluder, occluders},
-    plan::{allowance, plan},
+    plan::{Detail, allowance, plan},
     prepare::{CloudLight, LightPass, Wanted},
 };
 use crate::{
     frame::{CloudFrame, Frame},
-    render::{Quality, medium::Media},
+    render::{Quality, medium::Media, shadow::Caster},
 };
 
 /// Where a cloud is, exactly: light that was made for it is found again by this, whichever
@@ -31,6 +31,16 @@ struct Kept {
     light: CloudLight,
     /// Number of the picture that it was made for.
     made: u64,
+}
+
+/// What a picture wants of a cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::render) enum Presence {
+    /// It is in view, and lit.
+    Seen,
+    /// Its shadow may be.
+    Shading,
+    Away,
 }
 
 /// Light by cloud.
@@ -53,12 +63,23 @@ impl LightStore {
         self.lights.get_mut(index)?.as_mut().map(|kept| &mut kept.light)
     }
 
+    /// What clouds of the frame cast shadows with: of those whose light is there.
+    pub fn casters(&self, frame: &Frame) -> Vec<Caster> {
+        let lights = frame.clouds.iter().zip(&self.lights);
+        lights
+            .filter_map(|(cloud, kept)| {
+                let (light_box, volume) = kept.as_ref()?.light.sunlight()?;
+                Some(Caster { origin: cloud.origin, light_box, volume: volume.clone() })
+            })
+            .collect()
+    }
+
     /// Memory of all textures of light, bytes.
     pub fn bytes(&self) -> u64 {
         self.lights.iter().flatten().chain(&self.away).map(|kept| kept.light.bytes()).sum()
     }
 
-    /// Makes what the clouds `in_view` lack of light, for `most` clouds: those first that have none or
+    /// Makes what the clouds lack of light by their `presence`, for `most` clouds: those first that have none or
     /// the oldest. `flush` may submit what is recorded so far, after each of them, and end it.
     #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
     pub fn prepare(
@@ -68,32 +89,42 @@ impl LightStore {
         media: &Media,
         frame: &Frame,
         quality: &Quality,
-        in_view: &[bool],
+        presence: &[Presence],
         most: u32,
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
         self.pictures += 1;
         self.waiting = 0;
         let (mut known, mut rest) = self.found(frame);
-        let details = plan(quality, &frame.clouds, in_view, &frame.camera, frame.camera_position);
+        let in_view: Vec<_> = presence.iter().map(|here| *here == Presence::Seen).collect();
+        let details = plan(quality, &frame.clouds, &in_view, &frame.camera, frame.camera_position);
         let shading = occluders(&frame.clouds, -inputs.to_sun);
         let mut order: Vec<_> = (0..frame.clouds.len()).collect();
-        order.sort_by_key(|&index| known[index].as_ref().map(|kept| kept.made));
+        // Shadows of clouds out of view come last.
+        order.sort_by_key(|&index| (!in_view[index], known[index].as_ref().map(|kept| kept.made)));
         self.lights.resize_with(frame.clouds.len(), || None);
         let mut left = most;
         for index in order {
             let cloud = &frame.clouds[index];
             let before = known[index].take();
-            let Some(detail) = details[index] else {
-                rest.extend(before.map(|kept| Kept { number: index, ..kept }));
-                continue;
+            let detail = match details[index] {
+                Some(detail) => detail,
+                None if presence[index] == Presence::Shading => Detail::SHADOW,
+                None => {
+                    rest.extend(before.map(|kept| Kept { number: index, ..kept }));
+                    continue;
+                }
             };
             let occluder = |&other: &u32| {
                 let other = &frame.clouds[other as usize];
                 Occluder { medium: &other.medium, offset: other.origin - cloud.origin }
             };
-            let others: Vec<_> = shading[index].iter().map(occluder).collect();
-            let wanted = Wanted::new(inputs, cloud, &others, detail);
+            let wanted = if detail == Detail::SHADOW {
+                Wanted::shadow(inputs, cloud)
+            } else {
+                let others: Vec<_> = shading[index].iter().map(occluder).collect();
+                Wanted::new(inputs, cloud, &others, detail)
+            };
             let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
             self.lights[index] = if is_current || left == 0 {
                 self.waiting += u32::from(!is_current);

@@ -24,6 +24,7 @@ use super::{
     SceneDepth, Settings, Transport,
     light::{Binding, LightStore},
     medium::Media,
+    shadow::Shadows,
     sky::Sky,
 };
 use crate::{
@@ -50,7 +51,8 @@ pub struct CloudUniform {
     pub(crate) longest_step: f32,
     pub(crate) growth: f32,
     pub(crate) lit_at_once: f32,
-    padding: [f32; 2],
+    pub(crate) shadow_range: f32,
+    padding: f32,
     pub(crate) scene_depth: [f32; 4],
 }
 
@@ -60,6 +62,7 @@ pub(super) struct View<'a> {
     pub settings: &'a Settings,
     pub depth: Option<&'a SceneDepth<'a>>,
     pub sky: &'a Sky,
+    pub shadows: &'a Shadows,
     pub counters: &'a Counters,
     pub entry: &'static str,
     pub format: wgpu::TextureFormat,
@@ -239,6 +242,7 @@ impl March {
             Some(wgpu::BindingResource::Sampler(&self.linear)),
             texture(sky.aerial()),
             texture(shared.depth.map_or(&self.no_depth, |depth| depth.view)),
+            texture(shared.shadows.air()),
         ];
         gpu::bind_group(&self.device, "march", layout, &resources)
     }
@@ -292,7 +296,8 @@ fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
         longest_step: quality.longest_step,
         growth: quality.growth,
         lit_at_once: quality.lit_at_once,
-        padding: [0.0; 2],
+        shadow_range: shared.shadows.reach(),
+        padding: 0.0,
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
     }
 }

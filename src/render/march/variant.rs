@@ -18,6 +18,7 @@ pub struct Variant {
     counting: bool,
     atmosphere: bool,
     aerial: bool,
+    air_shaded: bool,
     sky_light: bool,
     scene_depth: bool,
     peak: bool,
@@ -33,12 +34,13 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+    pub fn overrides(&self) -> [(&'static str, f64); 11] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
             ("AERIAL", flag(self.aerial)),
+            ("AIR_SHADED", flag(self.air_shaded)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("NORMALS", flag(self.entry == "normals")),
@@ -63,6 +65,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         counting: settings.counting || shared.entry == "cost",
         atmosphere: shared.sky.has_atmosphere(),
         aerial: shared.sky.has_atmosphere() && settings.aerial,
+        air_shaded: shared.sky.has_atmosphere() && settings.aerial && shared.shadows.in_air,
         sky_light: lit && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
         peak: lit && has_peak,

@@ -12,9 +12,10 @@ use rayon::prelude::*;
 
 use super::{
     Counts, Quality, Settings,
-    light::{Inputs, LightStore},
+    light::{Inputs, LightStore, Presence},
     march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
+    shadow::{ShadowInputs, Shadows, SunMap, may_shade},
     sky::Sky,
 };
 use crate::{
@@ -50,6 +51,7 @@ pub struct Renderer {
     covers: Vec<Cover>,
     redone: u32,
     sky: Sky,
+    shadows: Shadows,
     march: March,
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
@@ -57,6 +59,9 @@ pub struct Renderer {
 
 /// May submit what was recorded so far; says whether to go on.
 type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
+
+/// Sine of the elevation from which the sun casts shadows: below it they are as long as the air is deep.
+const LOWEST_SUN: f64 = 5e-3;
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -75,6 +80,7 @@ impl Renderer {
             covers: Vec::new(),
             redone: 0,
             sky: Sky::new(device),
+            shadows: Shadows::new(device),
             march: March::new(device, queue),
             compose: None,
             counters: Counters::new(device),
@@ -103,8 +109,8 @@ impl Renderer {
         frame: &Frame,
         color: &wgpu::TextureView,
     ) {
-        self.prepare_sky(encoder, frame);
-        self.sky.draw(&self.device, encoder, color, self.format, self.timing.as_ref());
+        self.prepare(encoder, frame, &mut |_| true);
+        self.draw_sky(encoder, color, self.format);
     }
 
     /// Does the same as [`Renderer::render`] in pieces, each submitted and finished by itself, so that slow
@@ -148,6 +154,13 @@ impl Renderer {
         if let Some(timing) = &self.timing {
             timing.resolve(encoder);
         }
+    }
+
+    /// What clouds leave of the sun's light, as it was last prepared: for the caller's own ground and things, so that
+    /// they lie in the very shadows that nephos draws. None where nothing casts any: without clouds, without an
+    /// atmosphere, at night, or with [`Settings::shadows`] off.
+    pub fn sun_map(&self) -> Option<SunMap<'_>> {
+        self.shadows.sun_map()
     }
 
     /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
@@ -223,6 +236,39 @@ impl Renderer {
         self.media.begin(self.settings.bake_from);
         self.prepare_sky(encoder, frame);
         self.prepare_lights(encoder, frame, flush);
+        self.prepare_shadows(encoder, frame);
+    }
+
+    /// Whether clouds cast shadows on anything in a picture of `frame`.
+    fn is_shaded(&self, frame: &Frame) -> bool {
+        self.settings.shadows && self.sky.has_atmosphere() && frame.sun.to_sun.y > LOWEST_SUN
+    }
+
+    fn prepare_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        if !self.is_shaded(frame) {
+            self.shadows.none();
+            return;
+        }
+        let inputs = ShadowInputs {
+            device: &self.device,
+            queue: &self.queue,
+            frame,
+            sky: &self.sky,
+            aerial: self.settings.aerial,
+            timing: self.timing.as_ref(),
+        };
+        let texels = self.settings.quality.shadow_texels;
+        let casters = self.lights.casters(frame);
+        self.redone += self.shadows.prepare(&inputs, encoder, casters, texels);
+    }
+
+    fn draw_sky(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+    ) {
+        self.sky.draw_shaded(&self.device, encoder, (target, format), &self.shadows, self.timing.as_ref());
     }
 
     fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
@@ -246,7 +292,14 @@ impl Renderer {
         };
         self.covers = frame.clouds.par_iter().map(cover).collect();
         let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
-        for (cloud, _) in frame.clouds.iter().zip(&in_view).filter(|(_, seen)| **seen) {
+        let shaded = self.is_shaded(frame);
+        let wanted = |(cloud, seen): (&CloudFrame, &bool)| match seen {
+            true => Presence::Seen,
+            false if shaded && may_shade(frame, cloud) => Presence::Shading,
+            false => Presence::Away,
+        };
+        let presence: Vec<_> = frame.clouds.iter().zip(&in_view).map(wanted).collect();
+        for (cloud, _) in frame.clouds.iter().zip(&presence).filter(|(_, here)| **here != Presence::Away) {
             self.media.prepare(encoder, &cloud.medium);
         }
         let inputs = Inputs {
@@ -259,7 +312,7 @@ impl Renderer {
         };
         let Settings { quality, lights_at_once, .. } = &self.settings;
         let media = &self.media;
-        self.lights.prepare(encoder, &inputs, media, frame, quality, &in_view, *lights_at_once, flush);
+        self.lights.prepare(encoder, &inputs, media, frame, quality, &presence, *lights_at_once, flush);
     }
 
     /// The clouds in the picture, far ones first.
@@ -273,8 +326,8 @@ impl Renderer {
         let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
         let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();
         order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
-        let (settings, sky, counters) = (&self.settings, &self.sky, &self.counters);
-        let view = View { frame, settings, depth, sky, counters, entry, format };
+        let (settings, sky, shadows, counters) = (&self.settings, &self.sky, &self.shadows, &self.counters);
+        let view = View { frame, settings, depth, sky, shadows, counters, entry, format };
         self.march.prepare(&view, &order, &self.covers, &self.media, &mut self.lights)
     }
 

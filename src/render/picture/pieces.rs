@@ -77,7 +77,7 @@ impl Renderer {
     ) -> Pieces {
         self.prepare(encoder, frame, flush);
         if target.sky {
-            self.sky.draw(&self.device, encoder, target.color, self.format, self.timing.as_ref());
+            self.draw_sky(encoder, target.color, self.format);
         }
         let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
         Pieces::new(vec![Stage::new(draws, &[target.color])])
@@ -99,7 +99,7 @@ impl Renderer {
         let [sky, single, multiple, air, distance, normal] =
             ["sky", "single", "multiple", "air", "distance", "normal"]
                 .map(|label| self.picture(label, frame.size(), HDR));
-        self.sky.draw(&self.device, encoder, &view(&sky), HDR, self.timing.as_ref());
+        self.draw_sky(encoder, &view(&sky), HDR);
         let targets = [&single, &multiple, &air, &distance, &normal].map(view);
         targets.iter().for_each(|target| clear(encoder, target));
         let [single_to, multiple_to, air_to, distance_to, normal_to] = &targets;

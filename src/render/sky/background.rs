@@ -9,7 +9,6 @@ pub(super) struct Background {
     pub kind: BackgroundKind,
     pub format: TextureFormat,
     pub pipeline: wgpu::RenderPipeline,
-    pub group: wgpu::BindGroup,
 }
 
 /// What is compiled in.
@@ -17,6 +16,8 @@ pub(super) struct Background {
 pub(super) struct BackgroundKind {
     pub atmosphere: bool,
     pub sun_disc: bool,
+    /// Whether clouds cast shadows.
+    pub shaded: bool,
 }
 
 pub(super) fn background_pipeline(
@@ -24,6 +25,11 @@ pub(super) fn background_pipeline(
     format: TextureFormat,
     kind: BackgroundKind,
 ) -> wgpu::RenderPipeline {
-    let overrides = [("ATMOSPHERE", f64::from(kind.atmosphere)), ("SUN_DISC", f64::from(kind.sun_disc))];
+    let flag = |on: bool| f64::from(u8::from(on));
+    let overrides = [
+        ("ATMOSPHERE", flag(kind.atmosphere)),
+        ("SUN_DISC", flag(kind.sun_disc)),
+        ("SHADED", flag(kind.shaded)),
+    ];
     gpu::screen_pipeline(device, "sky", &overrides, format)
 }

@@ -21,6 +21,7 @@ use glam::Vec3;
 use half::f16;
 use wgpu::{TextureFormat, TextureView};
 
+use super::shadow::Shadows;
 use crate::{
     frame::{AERIAL_REACH, CameraUniform, SkySettings, SkyUniform},
     gpu::{self, Timing, view},
@@ -62,6 +63,7 @@ pub struct Sky {
     no_air: TextureView,
     tables: Option<Tables>,
     backgrounds: Vec<Background>,
+    unshaded: Shadows,
     /// The kind of background that was last prepared.
     current: BackgroundKind,
     /// What the tables hold.
@@ -132,7 +134,8 @@ impl Sky {
             no_air_texture,
             tables: None,
             backgrounds: Vec::new(),
-            current: BackgroundKind { atmosphere: false, sun_disc: false },
+            unshaded: Shadows::new(device),
+            current: BackgroundKind { atmosphere: false, sun_disc: false, shaded: false },
             made: None,
         }
     }
@@ -175,6 +178,7 @@ impl Sky {
         self.current = BackgroundKind {
             atmosphere: settings.atmosphere,
             sun_disc: sunlit && camera.projection != CameraUniform::ORTHOGRAPHIC,
+            shaded: false,
         };
         self.made = Some(wanted);
         redo
@@ -187,34 +191,20 @@ impl Sky {
         write_texels(queue, &self.sky_light_texture, &[light_texel(radiance); 3]);
     }
 
-    /// The background that is wanted now, compiled unless it was wanted before.
-    fn background(&mut self, device: &wgpu::Device, format: TextureFormat) -> &Background {
-        let kind = self.current;
-        let known = self.backgrounds.iter().position(|known| known.kind == kind && known.format == format);
-        let index = known.unwrap_or_else(|| {
-            self.backgrounds.push(self.compile_background(device, format, kind));
-            self.backgrounds.len() - 1
-        });
-        &self.backgrounds[index]
-    }
-
-    fn compile_background(
-        &self,
+    /// The pipeline of a kind of background, compiled unless it was wanted before.
+    fn background(
+        &mut self,
         device: &wgpu::Device,
         format: TextureFormat,
         kind: BackgroundKind,
-    ) -> Background {
+    ) -> wgpu::RenderPipeline {
+        let known = self.backgrounds.iter().find(|known| known.kind == kind && known.format == format);
+        if let Some(known) = known {
+            return known.pipeline.clone();
+        }
         let pipeline = background_pipeline(device, format, kind);
-        let sky_view = self.tables.as_ref().filter(|_| kind.atmosphere).map(|tables| &tables.sky_view);
-        let resources = [
-            self.sky_uniform.as_entire_binding(),
-            self.camera_uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(self.transmittance()),
-            wgpu::BindingResource::TextureView(sky_view.unwrap_or(&self.white)),
-            wgpu::BindingResource::Sampler(&self.sampler),
-        ];
-        let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
-        Background { kind, format, pipeline, group }
+        self.backgrounds.push(Background { kind, format, pipeline: pipeline.clone() });
+        pipeline
     }
 
     /// What the radiance of sky and ground is found from, in the order of the bindings of
@@ -237,7 +227,7 @@ impl Sky {
         self.made.map(|made| made.settings)
     }
 
-    /// Draws what was last prepared over the whole of `target`, with alpha 1.
+    /// Draws what was last prepared over the whole of `target`, with alpha 1 and without shadows.
     pub fn draw(
         &mut self,
         device: &wgpu::Device,
@@ -246,7 +236,45 @@ impl Sky {
         format: TextureFormat,
         timing: Option<&Timing>,
     ) {
-        let background = self.background(device, format);
+        let pipeline = self.background(device, format, self.current);
+        self.draw_with(device, encoder, target, &pipeline, &self.unshaded, timing);
+    }
+
+    /// The same with these shadows.
+    pub(super) fn draw_shaded(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        (target, format): (&TextureView, TextureFormat),
+        shadows: &Shadows,
+        timing: Option<&Timing>,
+    ) {
+        let shaded = shadows.cast && self.current.atmosphere;
+        let pipeline = self.background(device, format, BackgroundKind { shaded, ..self.current });
+        self.draw_with(device, encoder, target, &pipeline, shadows, timing);
+    }
+
+    fn draw_with(
+        &self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &TextureView,
+        pipeline: &wgpu::RenderPipeline,
+        shadows: &Shadows,
+        timing: Option<&Timing>,
+    ) {
+        let [map, lit] = shadows.map();
+        let resources = [
+            self.sky_uniform.as_entire_binding(),
+            self.camera_uniform.as_entire_binding(),
+            wgpu::BindingResource::TextureView(self.transmittance()),
+            wgpu::BindingResource::TextureView(self.sky_view()),
+            wgpu::BindingResource::Sampler(&self.sampler),
+            map,
+            lit,
+            wgpu::BindingResource::TextureView(shadows.air()),
+        ];
+        let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sky"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -261,9 +289,14 @@ impl Sky {
             timestamp_writes: timing.and_then(|timing| timing.render("sky")),
             ..Default::default()
         });
-        pass.set_pipeline(&background.pipeline);
-        pass.set_bind_group(0, &background.group, &[]);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, &group, &[]);
         pass.draw(0..3, 0..1);
+    }
+
+    /// `Camera` of `shaders/lib/camera.wgsl` as it was last prepared.
+    pub(super) fn camera(&self) -> &wgpu::Buffer {
+        &self.camera_uniform
     }
 
     /// `Sky` of `shaders/lib/atmosphere.wgsl` as it was last prepared. It begins with

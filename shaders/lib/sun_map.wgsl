@@ -1,0 +1,123 @@
+// Transmittance of all clouds along the sun's beam, seen from the sun: squares across the beam, each finer than the
+// one before, with the share of light at planes across the beam, four in a texel of each layer. Between planes it is
+// linear; it is light, not optical depth, that is kept and filtered, so that the mean light on the ground is right
+// however coarse a texel is.
+//
+// Lokovic and Veach, "Deep Shadow Maps", SIGGRAPH 2000; Nes, thesis, 2008 (planes in place of his nodes by texel:
+// then four planes are one filtered read). Not their peak: light that goes almost straight on counts as let through.
+
+const SUN_MAP_SQUARES: u32 = 3u;
+// Layers of a square, of four planes each.
+const SUN_MAP_LAYERS: u32 = 4u;
+
+struct SunMap {
+    // Unit vectors of the world: two across the beam, one along it.
+    across: vec3f,
+    // Squares in use, the coarsest first; 0 where nothing casts a shadow.
+    squares: u32,
+    aside: vec3f,
+    // Angular radius of the sun's disc, rad.
+    sun_radius: f32,
+    along: vec3f,
+    // Distance from the camera beyond which the air has no shadow, m.
+    reach: f32,
+    // By square: its corner across and aside, m; 1 over its edge; where the first plane's interval begins along, m.
+    place: array<vec4f, SUN_MAP_SQUARES>,
+    // Places of the planes along the beam, m, rising.
+    planes: array<vec4f, SUN_MAP_SQUARES * SUN_MAP_LAYERS>,
+}
+
+// Texture coordinates of a point, m from the camera, and its place along the beam, m.
+fn sun_map_coordinate(map: SunMap, place: vec4f, p: vec3f) -> vec3f {
+    return vec3f((vec2f(dot(p, map.across), dot(p, map.aside)) - place.xy) * place.z, dot(p, map.along));
+}
+
+// Share of the way through the intervals that end at the planes `to`, at the place `s`.
+fn sun_map_passed(begin: f32, to: vec4f, s: f32) -> vec4f {
+    let from4 = vec4f(begin, to.xyz);
+    return saturate((s - from4) / max(to - from4, vec4f(1e-3)));
+}
+
+// The finest square that holds a point; `squares` where none does.
+fn sun_map_square(map: SunMap, p: vec3f) -> u32 {
+    var place = map.place;
+    var square = map.squares;
+    for (var i = 0u; i < map.squares; i++) {
+        let uv = sun_map_coordinate(map, place[i], p).xy;
+        square = select(square, i, all(uv > vec2f(0.01)) && all(uv < vec2f(0.99)));
+    }
+    return square;
+}
+
+// Share of light after an optical depth.
+fn sun_map_through(optical_depth: f32) -> f32 {
+    return exp(-optical_depth);
+}
+
+// Light at a place of one square.
+fn sun_map_in(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, square: u32, at: vec3f) -> f32 {
+    var place = map.place;
+    var planes = map.planes;
+    var begin = place[square].w;
+    var before = 1.0;
+    var light = 1.0;
+    for (var i = 0u; i < SUN_MAP_LAYERS; i++) {
+        let layer = SUN_MAP_LAYERS * square + i;
+        let through = textureSampleLevel(lit, linear, at.xy, layer, 0.0);
+        light += dot(through - vec4f(before, through.xyz), sun_map_passed(begin, planes[layer], at.z));
+        begin = planes[layer].w;
+        before = through.w;
+    }
+    return light;
+}
+
+// Share of the sun's light that clouds let through to a point, m from the camera: for air and for things.
+fn sun_map_light(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> f32 {
+    var place = map.place;
+    let square = sun_map_square(map, p);
+    let known = min(square, SUN_MAP_SQUARES - 1u);
+    let light = sun_map_in(map, lit, linear, known, sun_map_coordinate(map, place[known], p));
+    return select(1.0, light, square < map.squares);
+}
+
+const TAPS: u32 = 8u;
+
+// A point of a disc of radius 1: TAPS of them cover it evenly (Vogel's spiral).
+fn disc_tap(i: u32) -> vec2f {
+    let angle = 2.3999632 * f32(i);
+    return sqrt((f32(i) + 0.5) / f32(TAPS)) * vec2f(cos(angle), sin(angle));
+}
+
+// Mean distance back along the beam to what shades a place of one square, m.
+fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, square: u32, at: vec3f) -> f32 {
+    var place = map.place;
+    var planes = map.planes;
+    var begin = place[square].w;
+    var before = 1.0;
+    var sum = vec2f(0.0);
+    for (var i = 0u; i < SUN_MAP_LAYERS; i++) {
+        let layer = SUN_MAP_LAYERS * square + i;
+        let through = textureSampleLevel(lit, linear, at.xy, layer, 0.0);
+        let taken = max(vec4f(before, through.xyz) - through, vec4f(0.0)) + 1e-4;
+        let middle = 0.5 * (vec4f(begin, planes[layer].xyz) + planes[layer]);
+        sum += vec2f(dot(taken, at.z - middle), dot(taken, vec4f(1.0)));
+        begin = planes[layer].w;
+        before = through.w;
+    }
+    return max(sum.x / sum.y, 0.0);
+}
+
+// The same as `sun_map_light` on ground that lies behind all clouds, with the penumbra of the sun's disc.
+fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> f32 {
+    var place = map.place;
+    let square = sun_map_square(map, p);
+    let known = min(square, SUN_MAP_SQUARES - 1u);
+    let at = sun_map_coordinate(map, place[known], p);
+    let radius = map.sun_radius * sun_map_distance(map, lit, linear, known, at) * place[known].z;
+    var light = 0.0;
+    for (var tap = 0u; tap < TAPS; tap++) {
+        let uv = at.xy + radius * disc_tap(tap);
+        light += textureSampleLevel(lit, linear, uv, SUN_MAP_LAYERS * (known + 1u) - 1u, 0.0).w;
+    }
+    return select(1.0, light / f32(TAPS), square < map.squares);
+}

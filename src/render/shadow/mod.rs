@@ -1,0 +1,188 @@
+//! Shadows of clouds on the ground and in the air: one map of the sun's light for the whole scene
+//! (`shaders/lib/sun_map.wgsl`), put together from the volumes of optical depth that clouds have anyway, and what the
+//! air before the camera lacks of light for it. Both are made again only when something in them changed.
+
+mod casters;
+mod layout;
+mod splat;
+
+use wgpu::TextureView;
+
+pub(super) use casters::{Caster, may_shade};
+#[cfg(test)]
+pub(crate) use layout::SunMapUniform;
+use layout::{Layout, SQUARES};
+use splat::{Splat, lit_texture};
+
+use super::sky::Sky;
+use crate::{
+    frame::{CameraUniform, Frame, SkySettings},
+    gpu::{self, ComputeProgram, TextureDesc, Timing},
+};
+
+/// Texels of the air's volume: finer across than the air itself needs, for the edges of beams.
+const AIR: [u32; 3] = [128, 72, 32];
+
+/// The sun's light that the clouds of a picture leave, for shaders of the caller: the module `sun_map` of
+/// [`crate::gpu::link`] reads it.
+pub struct SunMap<'a> {
+    /// Its `SunMap`, uniform or storage. Points are told in metres from the camera of the frame that was drawn last.
+    pub uniform: &'a wgpu::Buffer,
+    /// Its `lit`, all layers.
+    pub lit: &'a TextureView,
+}
+
+/// What shaders read of shadows.
+pub(super) struct Shadows {
+    /// Whether anything casts one.
+    pub cast: bool,
+    /// Whether the air's is made.
+    pub in_air: bool,
+    reach: f64,
+    uniform: wgpu::Buffer,
+    lit: TextureView,
+    air: TextureView,
+    splat: Option<Splat>,
+    shade_air: Option<ComputeProgram>,
+    map: Option<Made>,
+    air_made: Option<AirMade>,
+    maps: u32,
+}
+
+/// What the map holds.
+struct Made {
+    layout: Layout,
+    casters: Vec<Caster>,
+}
+
+/// What the air's volume depends on; `map` is the number of the map.
+#[derive(PartialEq)]
+struct AirMade {
+    camera: CameraUniform,
+    position: [u64; 3],
+    sky: SkySettings,
+    map: u32,
+}
+
+impl Shadows {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            cast: false,
+            in_air: false,
+            reach: 1.0,
+            uniform: gpu::uniform_buffer(device, "sun map", &layout::NONE),
+            lit: splat::view_of(&lit_texture(device, 1)),
+            air: gpu::view(&air_texture(device, [1; 3])),
+            splat: None,
+            shade_air: None,
+            map: None,
+            air_made: None,
+            maps: 0,
+        }
+    }
+
+    /// The same for the caller, where clouds cast shadows.
+    pub fn sun_map(&self) -> Option<SunMap<'_>> {
+        self.cast.then_some(SunMap { uniform: &self.uniform, lit: &self.lit })
+    }
+
+    /// The map's numbers, and the share of light that it holds, in the order in which shaders bind them.
+    pub fn map(&self) -> [wgpu::BindingResource<'_>; 2] {
+        [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&self.lit)]
+    }
+
+    /// What the air before the camera lacks.
+    pub fn air(&self) -> &TextureView {
+        &self.air
+    }
+
+    /// How far from the camera the air's goes, m.
+    pub fn reach(&self) -> f32 {
+        self.reach as f32
+    }
+
+    /// There are none in this picture.
+    pub fn none(&mut self) {
+        (self.cast, self.in_air) = (false, false);
+    }
+
+    /// Brings the map of `texels` along an edge up to date for what `casters` there are, and, where wanted, the
+    /// shadow in the air; tells how many were made.
+    pub fn prepare(
+        &mut self,
+        inputs: &ShadowInputs<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: Vec<Caster>,
+        texels: u32,
+    ) -> u32 {
+        let ShadowInputs { device, frame, .. } = *inputs;
+        let Some(layout) = Layout::new(&casters, frame.sun.to_sun, frame.camera_position, texels) else {
+            self.none();
+            return 0;
+        };
+        self.cast = true;
+        self.reach = casters::reach(frame, &casters);
+        let uniform = layout.uniform(frame.camera_position, frame.sun.radius, self.reach);
+        inputs.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let is_made = self.map.as_ref().is_some_and(|made| made.layout == layout && made.casters == casters);
+        if !is_made {
+            let splat = self.splat.get_or_insert_with(|| Splat::new(device));
+            self.lit = splat.draw(inputs, encoder, &layout, &uniform, &casters);
+            self.map = Some(Made { layout, casters });
+            self.maps += 1;
+        }
+        u32::from(!is_made) + self.prepare_air(inputs, encoder)
+    }
+
+    fn prepare_air(&mut self, inputs: &ShadowInputs<'_>, encoder: &mut wgpu::CommandEncoder) -> u32 {
+        let frame = inputs.frame;
+        self.in_air = inputs.aerial;
+        let wanted = AirMade {
+            camera: frame.camera,
+            position: frame.camera_position.to_array().map(f64::to_bits),
+            sky: frame.sky,
+            map: self.maps,
+        };
+        if !inputs.aerial || self.air_made.as_ref() == Some(&wanted) {
+            return 0;
+        }
+        let program =
+            self.shade_air.get_or_insert_with(|| ComputeProgram::new(inputs.device, "air_shadow", &[]));
+        if self.air_made.is_none() {
+            self.air = gpu::view(&air_texture(inputs.device, AIR));
+        }
+        let sky = inputs.sky;
+        let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+        let resources = [
+            Some(sky.atmosphere().as_entire_binding()),
+            Some(sky.camera().as_entire_binding()),
+            Some(self.uniform.as_entire_binding()),
+            texture(sky.transmittance()),
+            texture(&self.lit),
+            Some(wgpu::BindingResource::Sampler(sky.sampler())),
+            texture(&self.air),
+        ];
+        let group = program.bind(inputs.device, &resources);
+        let stamps = inputs.timing.and_then(|timing| timing.compute("air shadow"));
+        program.dispatch_over(encoder, &[&group], [AIR[0], AIR[1], 1], stamps);
+        self.air_made = Some(wanted);
+        1
+    }
+}
+
+/// What shadows are made with.
+#[derive(Clone, Copy)]
+pub(super) struct ShadowInputs<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    pub frame: &'a Frame,
+    pub sky: &'a Sky,
+    /// Whether the air shows.
+    pub aerial: bool,
+    pub timing: Option<&'a Timing>,
+}
+
+fn air_texture(device: &wgpu::Device, size: [u32; 3]) -> wgpu::Texture {
+    let (format, usage) = (wgpu::TextureFormat::Rgba16Float, wgpu::TextureUsages::STORAGE_BINDING);
+    gpu::texture(device, &TextureDesc { label: "air shadow", size, mips: 1, format, usage })
+}

@@ -1,0 +1,111 @@
+//! The map of the sun's light: where a point lies in it, and what is between its planes.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use crate::harness::{Input, Output, Random, Twin, Wide};
+use crate::pack::{input, line, one, scalars, three, two, vector, xyz};
+
+/// A map with axes x[1..4], a square at x[4] and one of a fifth of its edge in the same corner.
+const MAP: &str = "
+    fn map(x: array<vec4f, 8>) -> SunMap {
+        let finer = vec4f(x[4].xy, 5.0 * x[4].z, x[4].w);
+        return SunMap(x[1].xyz, 2u, x[2].xyz, 0.0, x[3].xyz, 0.0, array(x[4], finer, finer), array<vec4f, 12>());
+    }";
+
+/// A point, three axes at right angles, and a square of up to 100 km in which it lies.
+fn placed(random: &mut Random) -> Input {
+    let axes = random.turn();
+    let edge = random.log(100.0, 1e5);
+    let [u, v] = [(); 2].map(|()| random.between(-0.2, 1.2));
+    let corner = [(); 2].map(|()| random.between(-1e5, 1e5));
+    let along = random.between(-1e4, 1e4);
+    let p = axes * DVec3::new(corner[0] + u * edge, corner[1] + v * edge, along);
+    input([
+        vector(p, 0.0),
+        vector(axes.x_axis, 0.0),
+        vector(axes.y_axis, 0.0),
+        vector(axes.z_axis, 0.0),
+        [corner[0], corner[1], 1.0 / edge, 0.0],
+    ])
+}
+
+fn coordinate(x: &Wide) -> [f64; 3] {
+    let [u, v, s] = [1, 2, 3].map(|i| xyz(x[0]).dot(xyz(x[i])));
+    [(u - x[4][0]) * x[4][2], (v - x[4][1]) * x[4][2], s]
+}
+
+fn square(x: &Wide) -> Output {
+    let [u, v, _] = coordinate(x);
+    let holds = |scale: f64| [u, v].iter().all(|at| (0.01..0.99).contains(&(at * scale)));
+    // Where rounding decides, no number is right.
+    let near =
+        |scale: f64| [u, v].iter().any(|at| [0.01, 0.99].iter().any(|rim| (at * scale - rim).abs() < 1e-3));
+    if near(1.0) || near(5.0) {
+        return one(f64::NAN);
+    }
+    one(if holds(5.0) {
+        1.0
+    } else if holds(1.0) {
+        0.0
+    } else {
+        2.0
+    })
+}
+
+fn passed(x: &Wide) -> Output {
+    let (to, [begin, s, ..]) = (x[0], x[1]);
+    let from = [begin, to[0], to[1], to[2]];
+    std::array::from_fn(|i| ((s - from[i]) / (to[i] - from[i]).max(f64::from(1e-3f32))).clamp(0.0, 1.0))
+}
+
+/// Four planes that rise from where the first interval begins, and a place among them.
+fn planes(random: &mut Random) -> Input {
+    let begin = random.between(-1e4, 1e4);
+    let step = random.log(1.0, 1e4);
+    let mut at = begin;
+    let planes = [(); 4].map(|()| {
+        at += step * random.between(0.1, 1.0);
+        at
+    });
+    input([planes, [begin, random.between(begin - step, at + step), 0.0, 0.0]])
+}
+
+pub fn twins() -> Vec<Twin> {
+    vec![
+        Twin::new(
+            "sun_map_coordinate",
+            "sun_map",
+            "return vec4f(sun_map_coordinate(map(x), x[4], x[0].xyz), 0.0);",
+            |x| three(coordinate(x).into()),
+        )
+        .declaring(MAP)
+        .over("all", placed)
+        // Sums of three products, some of which cancel.
+        .beside(2e5),
+        Twin::new(
+            "sun_map_square",
+            "sun_map",
+            "return vec4f(f32(sun_map_square(map(x), x[0].xyz)));",
+            square,
+        )
+        .declaring(MAP)
+        .exact()
+        .over("all", placed),
+        Twin::new("sun_map_passed", "sun_map", "return sun_map_passed(x[1].x, x[0], x[1].y);", passed)
+            .over("all", planes),
+        Twin::new("sun_map_through", "sun_map", "return vec4f(sun_map_through(x[0].x));", |x| {
+            one((-x[0][0]).exp())
+        })
+        .edges(line(&[0.0, 1e-6, 1.0, 80.0, 30_000.0]))
+        .over("all", |random| scalars([random.log(1e-4, 80.0)])),
+        Twin::new("disc_tap", "sun_map", "return vec4f(disc_tap(u32(x[0].x)), 0.0, 0.0);", |x| {
+            let golden = PI * (3.0 - 5f64.sqrt());
+            let (radius, angle) = (((x[0][0].floor() + 0.5) / 8.0).sqrt(), golden * x[0][0].floor());
+            two(radius * angle.cos(), radius * angle.sin())
+        })
+        .edges(line(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]))
+        .beside(17.0),
+    ]
+}
