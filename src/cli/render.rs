@@ -50,12 +50,14 @@ pub struct Render {
     camera: Option<PathBuf>,
 }
 
-/// The camera of `FILE` or `FILE#NAME`.
+/// The camera of `FILE` or `FILE#NAME`; names of files and of cameras may hold `#`, too.
 fn camera_of(named: &Path) -> Result<Camera> {
     let text = named.to_string_lossy();
-    match text.rsplit_once('#') {
-        Some((file, name)) if !named.exists() => read_camera(Path::new(file), Some(name)),
-        _ => read_camera(named, None),
+    let parts = text.match_indices('#').map(|(at, _)| (Path::new(&text[..at]), &text[at + 1..]));
+    let mut parts = parts.filter(|(file, _)| file.is_file() && !named.exists());
+    match parts.next() {
+        Some((file, name)) => read_camera(file, Some(name)),
+        None => read_camera(named, None),
     }
 }
 
