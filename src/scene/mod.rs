@@ -21,6 +21,7 @@ mod sun;
 pub mod timeline;
 mod tone;
 mod validate;
+mod whole;
 mod wind;
 
 use glam::DVec3;
@@ -48,6 +49,7 @@ pub use wind::Wind;
 
 use crate::Result;
 use validate::{At, Limits};
+use whole::whole;
 
 /// The version of the scene format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -68,8 +70,12 @@ pub type Bounds = (DVec3, DVec3);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
+    /// Where an editor of text finds this schema, for people; it changes nothing in the picture.
+    #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// Version of the scene format: 1.
-    #[schemars(range(min = FORMAT, max = FORMAT))]
+    #[serde(deserialize_with = "whole")]
+    #[schemars(with = "u32", range(min = FORMAT, max = FORMAT))]
     pub format: u32,
     /// A name for people; it changes nothing in the picture.
     pub name: String,
@@ -117,6 +123,7 @@ fn is_default(curve: &ToneCurve) -> bool {
 impl Default for Scene {
     fn default() -> Self {
         Self {
+            schema: None,
             format: FORMAT,
             name: String::new(),
             clouds: Vec::new(),
