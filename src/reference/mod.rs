@@ -99,10 +99,11 @@ impl Default for PathOptions {
 
 impl PathOptions {
     /// What the shader does with them, and under which sky.
-    fn overrides(&self, atmosphere: bool, lanes: u32) -> Vec<(&'static str, f64)> {
+    fn overrides(&self, atmosphere: bool, ground: bool, lanes: u32) -> Vec<(&'static str, f64)> {
         let mut list = vec![
             ("LANES", f64::from(lanes)),
             ("ATMOSPHERE", f64::from(u8::from(atmosphere))),
+            ("GROUND", f64::from(u8::from(ground))),
             ("FAINT", self.faint),
         ];
         if !self.guided {
@@ -147,7 +148,8 @@ impl PathTracer {
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
-        let overrides = options.overrides(sky.has_atmosphere(), lanes);
+        let ground = sky.has_atmosphere() && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
+        let overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
         let program = ComputeProgram::with_roles(device, "path", &[ELLIPSOIDS], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);

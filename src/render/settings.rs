@@ -15,6 +15,8 @@ pub struct Settings {
     /// Whether the air between camera and clouds dims them and shines itself; without it the
     /// light is that of the clouds alone, as path traced pictures have it.
     pub aerial: bool,
+    /// Whether the ground hides clouds below and behind it, where the sky is an atmosphere.
+    pub ground: bool,
     /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
     /// what they have, of another moment, and are not drawn while they have none. For windows in which
     /// something moves.
@@ -33,6 +35,7 @@ impl Default for Settings {
             quality: Quality::default(),
             transport: Transport::default(),
             aerial: true,
+            ground: true,
             lights_at_once: u32::MAX,
             bake_from: BAKE_FROM,
             counting: false,

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     Result,
-    export::{Picture, atlas},
+    export::{Picture, atlas, bled},
 };
 
 /// Write six-way light maps of a cloud: how it looks in light from right, left, top, bottom, back
@@ -60,6 +60,8 @@ impl Sixway {
         for map in [&mut positive, &mut negative] {
             map.pixels.iter_mut().for_each(|pixel| (0..3).for_each(|c| pixel[c] *= gain));
         }
+        // Its alpha is no opacity, which the other map has.
+        negative = bled(&negative);
         negative.pixels.iter_mut().for_each(|pixel| pixel[3] = 0.0);
         stage.write_shares(&self.sprite.named("positive"), &positive)?;
         stage.write_shares(&self.sprite.named("negative"), &negative)?;

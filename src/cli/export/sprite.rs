@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     Error, Result,
-    export::{Course, Picture, Studio, Subject, atlas, write_beauty, write_png},
+    export::{Course, Picture, Studio, Subject, atlas, bled, write_beauty, write_png},
     render::{Film, metered_alone},
     scene::Scene,
 };
@@ -122,11 +122,13 @@ impl Stage {
         Ok(metered.map_or_else(String::new, |metered| format!(", {}", told(metered))))
     }
 
-    /// Writes shares from 0 to 1, as they are in both kinds of files.
+    /// Writes shares from 0 to 1, as they are in both kinds of files, and those of the nearest pixels that are
+    /// seen where none is.
     pub fn write_shares(&self, path: &Path, picture: &Picture) -> Result<()> {
+        let picture = bled(picture);
         match self.kind {
-            "exr" => write_beauty(path, picture),
-            _ => write_png(path, size(picture), &atlas::bytes(picture), true),
+            "exr" => write_beauty(path, &picture),
+            _ => write_png(path, size(&picture), &atlas::bytes(&picture), true),
         }
     }
 }

@@ -20,6 +20,7 @@ pub struct Variant {
     aerial: bool,
     sky_light: bool,
     scene_depth: bool,
+    ground: bool,
     peak: bool,
     absorbing: bool,
     light_nodes: u32,
@@ -33,7 +34,7 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 10] {
+    pub fn overrides(&self) -> [(&'static str, f64); 11] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -41,6 +42,7 @@ impl Variant {
             ("AERIAL", flag(self.aerial)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
+            ("GROUND", flag(self.ground)),
             ("NORMALS", flag(self.entry == "normals")),
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
@@ -56,6 +58,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
     // Which way a cloud faces has nothing to do with light.
     let lit = shared.entry != "normals";
     let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
+    let lowest = cloud.origin.y - cloud.half.y;
     Variant {
         transport: settings.transport,
         entry: shared.entry,
@@ -65,6 +68,8 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         aerial: shared.sky.has_atmosphere() && settings.aerial,
         sky_light: lit && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
+        // Between two points above the level of the ground below the camera there is none of it.
+        ground: settings.ground && shared.sky.has_atmosphere() && lowest < shared.frame.ground,
         peak: lit && has_peak,
         absorbing: species.albedo < 1.0,
         light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),
