@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{numbers, picture::above_zero, terminal};
+use super::{
+    numbers::{above_zero, numbers, seed},
+    terminal,
+};
 use crate::{
     Error, Result,
     import::{Inside, fill, read_mesh},
@@ -37,7 +40,7 @@ pub struct Fill {
     #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
     edge: f64,
     /// Any whole number: other seeds fill the mesh another way.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// Points along the longest edge of the mesh's box at which it is asked what is inside.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=256))]

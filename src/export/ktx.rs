@@ -16,7 +16,7 @@ const BLOCK: usize = 4;
 const KEYS: [(&str, &str); 2] =
     [("KTXorientation", "rd"), ("KTXwriter", concat!("nephos ", env!("CARGO_PKG_VERSION")))];
 
-/// Writes six square faces in the order +X, -X, +Y, -Y, +Z, -Z with their mip levels down to one block.
+/// Writes six square faces in the order +X, -X, +Y, -Y, +Z, -Z with their mip levels down to one pixel.
 ///
 /// # Errors
 /// [`Error::Argument`] where the edges of the faces are no multiple of 4, [`Error::File`] when the file can't
@@ -77,21 +77,48 @@ pub fn write_ktx2(path: &Path, faces: &[Picture]) -> Result<()> {
     })
 }
 
-/// Each level's faces, the largest first, as long as blocks fit into them.
+/// Each level's faces, the largest first, down to one pixel: each edge is half of the one before, rounded down.
 fn mips(faces: &[Picture]) -> Vec<Vec<Picture>> {
     let mut levels = vec![faces.to_vec()];
     while let Some(last) = levels.last()
-        && last[0].width.is_multiple_of(2 * BLOCK)
+        && last[0].width > 1
     {
-        levels.push(last.iter().map(|face| face.reduced(2)).collect());
+        levels.push(last.iter().map(halved).collect());
     }
     levels
 }
 
+/// A square of half the edge, rounded down: each pixel is the mean of what it covers.
+fn halved(face: &Picture) -> Picture {
+    let size = face.width / 2;
+    let step = face.width as f32 / size as f32;
+    // Pixels of the old row that a new one covers, and how much of each.
+    let covered = |i: usize| {
+        let (begin, end) = (i as f32 * step, (i + 1) as f32 * step);
+        (begin as usize..(end.ceil() as usize).min(face.width))
+            .map(move |old| (old, (end.min(old as f32 + 1.0) - begin.max(old as f32)).max(0.0) / step))
+    };
+    let mean = |i: usize| {
+        let mut sum = [0.0; 4];
+        for (y, height) in covered(i / size) {
+            for (x, width) in covered(i % size) {
+                let pixel = face.pixels[y * face.width + x];
+                sum.iter_mut().zip(pixel).for_each(|(sum, c)| *sum += width * height * c);
+            }
+        }
+        sum
+    };
+    Picture { width: size, height: size, pixels: (0..size * size).map(mean).collect() }
+}
+
 fn compressed(face: &Picture) -> Vec<u8> {
+    // Blocks are whole: beyond the picture its last pixels go on.
+    let size = face.width.next_multiple_of(BLOCK);
+    let within = |n: usize| n.min(face.width - 1);
+    let pixel = |i: usize| face.pixels[within(i / size) * face.width + within(i % size)];
     let halves: Vec<f16> =
-        face.pixels.iter().flatten().map(|c| f16::from_f32(c.clamp(0.0, 65504.0))).collect();
-    let size = face.width as u32;
+        (0..size * size).flat_map(pixel).map(|c| f16::from_f32(c.clamp(0.0, 65504.0))).collect();
+    let size = size as u32;
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
     let mut blocks = vec![0; variant.blocks_byte_size(size, size)];
     compress_rgba16(variant, &halves, &mut blocks, size, size, 4 * size);

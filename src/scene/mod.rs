@@ -97,7 +97,7 @@ pub struct Scene {
     #[schemars(range(min = TIME.min, max = TIME.max), extend("unit" = TIME.unit))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
-    /// south, filled with all clouds as they are at time 0.
+    /// south, filled with all clouds that are not hidden, as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it. With auto exposure it is
@@ -148,10 +148,16 @@ impl Scene {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
 
-    /// Size of the largest billows of all clouds, m; 0 without clouds.
+    /// The same of those that pictures show.
+    pub fn visible_bounds(&self) -> Option<Bounds> {
+        self.clouds.iter().filter_map(Cloud::visible_bounds).reduce(union)
+    }
+
+    /// Size of the largest billows of all clouds that pictures show, m; 0 without clouds.
     pub fn largest_billows(&self) -> f64 {
-        let size =
-            |cloud: &Cloud| Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.bounds()?));
+        let size = |cloud: &Cloud| {
+            Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.visible_bounds()?))
+        };
         self.clouds.iter().filter_map(size).fold(0.0, f64::max)
     }
 
@@ -161,12 +167,12 @@ impl Scene {
     }
 
     /// The scene's camera, or one that stands on the ground south of the clouds and
-    /// frames all of them in a 16:9 picture, as they are at time 0.
+    /// frames all of them that are not hidden in a 16:9 picture, as they are at time 0.
     pub fn camera(&self) -> Camera {
         if let Some(camera) = &self.camera {
             return camera.clone();
         }
-        match self.bounds() {
+        match self.visible_bounds().or_else(|| self.bounds()) {
             Some(bounds) => Camera::framing(bounds, self.ground.altitude),
             None => {
                 let mut camera = Camera::default();

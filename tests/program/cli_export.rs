@@ -146,7 +146,7 @@ fn a_filled_mesh_is_a_scene() {
     assert!(!told.contains("below the ground"), "{told}");
     let told = desk.told("fill box.obj -o low.json --count 2 --points 8");
     assert!(told.contains("below the ground") && told.contains("--at"), "{told}");
-    assert!(desk.complaint("fill open.obj -o open.json").contains("must be closed"));
+    assert!(desk.complaint("fill open.obj -o open.json").contains("mesh is open"));
 }
 
 #[test]
