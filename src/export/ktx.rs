@@ -12,6 +12,9 @@ use crate::{Error, Result, files::write_whole};
 
 /// Edge of a compressed block, pixels.
 const BLOCK: usize = 4;
+/// The largest half float, and the least brightest pixel of a picture that still has its shades in them.
+const MOST: f32 = 65504.0;
+const LEAST: f32 = 1e-3;
 /// What is told beside the pixels: the first row is on top, the first column on the left.
 const KEYS: [(&str, &str); 2] =
     [("KTXorientation", "rd"), ("KTXwriter", concat!("nephos ", env!("CARGO_PKG_VERSION")))];
@@ -19,7 +22,8 @@ const KEYS: [(&str, &str); 2] =
 /// Writes six square faces in the order +X, -X, +Y, -Y, +Z, -Z with their mip levels down to one pixel.
 ///
 /// # Errors
-/// [`Error::Argument`] where the edges of the faces are no multiple of 4, [`Error::File`] when the file can't
+/// [`Error::Argument`] where the edges of the faces are no multiple of 4 or their light is more than half floats
+/// hold, [`Error::File`] when the file can't
 /// be written.
 pub fn write_ktx2(path: &Path, faces: &[Picture]) -> Result<()> {
     let size = faces.first().map_or(0, |face| face.width);
@@ -29,6 +33,7 @@ pub fn write_ktx2(path: &Path, faces: &[Picture]) -> Result<()> {
              best a power of two"
         )));
     }
+    check_light(faces)?;
     let levels: Vec<Vec<u8>> =
         mips(faces).iter().map(|faces| faces.par_iter().flat_map(compressed).collect()).collect();
     let failed = |error: dfd::BuildError| Error::Argument(format!("KTX 2 does not know BC6H: {error:?}"));
@@ -77,6 +82,19 @@ pub fn write_ktx2(path: &Path, faces: &[Picture]) -> Result<()> {
     })
 }
 
+/// BC6H has half floats, and no scale beside them.
+fn check_light(faces: &[Picture]) -> Result<()> {
+    let lights = faces.iter().flat_map(|face| &face.pixels).flat_map(|pixel| &pixel[..3]);
+    let largest = lights.fold(0f32, |largest, light| largest.max(*light));
+    if largest == 0.0 || (LEAST..=MOST).contains(&largest) {
+        return Ok(());
+    }
+    Err(Error::Argument(format!(
+        "the brightest pixel is {largest}, and the half floats of KTX 2 with BC6H hold {LEAST} to {MOST}: give the sun \
+         another irradiance, 1 is good for most, or a larger disc, or write .exr or .hdr"
+    )))
+}
+
 /// Each level's faces, the largest first, down to one pixel: each edge is half of the one before, rounded down.
 fn mips(faces: &[Picture]) -> Vec<Vec<Picture>> {
     let mut levels = vec![faces.to_vec()];
@@ -117,7 +135,7 @@ fn compressed(face: &Picture) -> Vec<u8> {
     let within = |n: usize| n.min(face.width - 1);
     let pixel = |i: usize| face.pixels[within(i / size) * face.width + within(i % size)];
     let halves: Vec<f16> =
-        (0..size * size).flat_map(pixel).map(|c| f16::from_f32(c.clamp(0.0, 65504.0))).collect();
+        (0..size * size).flat_map(pixel).map(|c| f16::from_f32(c.clamp(0.0, MOST))).collect();
     let size = size as u32;
     let variant = CompressionVariant::BC6H(BC6HSettings::basic());
     let mut blocks = vec![0; variant.blocks_byte_size(size, size)];

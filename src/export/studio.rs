@@ -107,6 +107,7 @@ impl Studio {
                 (0..3).for_each(|c| sum[c] += pixel[c]);
             }
         }
+        let color = color.times(layers.unit);
         let mut distance = read(distance)?;
         distance.pixels.iter_mut().for_each(|pixel| pixel[0] *= 1e3);
         Ok(Shot { color, distance, normal: read(normal)? })

@@ -6,6 +6,7 @@ mod camera;
 mod matrices;
 pub(crate) mod medium;
 mod shared;
+mod unit;
 
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
@@ -31,6 +32,8 @@ pub struct Frame {
     /// Altitude of the ground, m.
     pub(crate) ground: f64,
     pub(crate) clouds: Vec<CloudFrame>,
+    /// What 1 stands for in the lights of sun and sky.
+    unit: f32,
 }
 
 /// The sun above the atmosphere.
@@ -77,8 +80,9 @@ impl Frame {
             sun,
             ground: moved.ground.altitude,
             clouds: clouds(&moved)?,
+            unit: 1.0,
         };
-        frame.seen_by(&camera, size)
+        frame.in_its_unit().seen_by(&camera, size)
     }
 
     /// The same moment seen by another camera, for a picture of `size` pixels. What is in the clouds

@@ -73,6 +73,8 @@ pub struct PathTracer {
     /// Rounds of a dispatch in which all threads have work: the first one after more samples were
     /// asked for. Later ones, for few long paths, have more.
     full_rounds: u32,
+    /// What 1 stands for in what is summed.
+    unit: f32,
     earlier: Option<Estimate>,
 }
 
@@ -184,6 +186,7 @@ impl PathTracer {
             size: frame.size(),
             lanes,
             full_rounds: ROUNDS[0],
+            unit: frame.unit(),
             earlier: None,
         })
     }
@@ -253,7 +256,7 @@ impl PathTracer {
         Ok(share)
     }
 
-    /// What has been found so far.
+    /// What has been found so far, in the unit of the scene's lights.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
@@ -267,7 +270,10 @@ impl PathTracer {
             };
             Moments::sum(&sums.iter().enumerate().map(part).collect::<Vec<_>>()).mean_and_error()
         };
-        let (mean, error) = sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
+        let (mut mean, mut error): (Vec<[f32; 4]>, Vec<[f32; 3]>) =
+            sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
+        mean.iter_mut().for_each(|pixel| pixel[..3].iter_mut().for_each(|light| *light *= self.unit));
+        error.as_flattened_mut().iter_mut().for_each(|error| *error *= self.unit);
         let estimate = Estimate { mean, error, samples };
         self.earlier.as_ref().map_or_else(|| Ok(estimate.clone()), |earlier| earlier.merged(&estimate))
     }

@@ -29,5 +29,6 @@ mod truth;
 mod truth_laws;
 mod truth_peak;
 mod truth_sampling;
+mod units;
 mod volumes;
 mod volumes_drawn;
