@@ -87,6 +87,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::
 ///
 /// # Errors
 /// [`Error::Argument`] and [`Error::File`] as writing it would have.
+#[cfg(feature = "cli")]
 pub fn check_place(path: &Path) -> Result<()> {
     if path.is_dir() {
         return Err(Error::Argument(format!("`{}` is a folder: name a file in it", path.display())));

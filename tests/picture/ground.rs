@@ -35,24 +35,12 @@ fn the_ground_hides_what_is_below_and_behind_it() {
     let size = [24, 24];
     let mut renderer = renderer(Quality { jitter: false, ..Quality::DRAFT }, Transport::default());
     for (name, center, radius, camera, seen) in [
-        ("below", [0.0, 500.0, 0.0], 200.0, view([0.0, 1500.0, 900.0], [0.0, 500.0, 0.0], lens.clone()), 0.0),
-        (
-            "from above",
-            [0.0, 600.0, 0.0],
-            200.0,
-            view([0.0, 2500.0, 0.1], [0.0, 600.0, 0.0], parallel.clone()),
-            0.0,
-        ),
-        (
-            "half",
-            [0.0, 1000.0, 0.0],
-            300.0,
-            view([0.0, 1100.0, 2000.0], [0.0, 1000.0, 0.0], lens.clone()),
-            0.5,
-        ),
+        ("below", [0.0, 500.0, 0.0], 200.0, view([0.0, 1500.0, 900.0], [0.0, 500.0, 0.0], lens), 0.0),
+        ("from above", [0.0, 600.0, 0.0], 200.0, view([0.0, 2500.0, 0.1], [0.0, 600.0, 0.0], parallel), 0.0),
+        ("half", [0.0, 1000.0, 0.0], 300.0, view([0.0, 1100.0, 2000.0], [0.0, 1000.0, 0.0], lens), 0.5),
         // 100 km away the ground has sunk by 786 m below the level that it has under the eye, 150 km away by 1769 m,
         // where the horizon hides another 107 m.
-        ("far", [0.0, 600.0, -1e5], 200.0, view([0.0, 2000.0, 0.0], [0.0, 600.0, -1e5], narrow.clone()), 1.0),
+        ("far", [0.0, 600.0, -1e5], 200.0, view([0.0, 2000.0, 0.0], [0.0, 600.0, -1e5], narrow), 1.0),
         (
             "behind",
             [0.0, -900.0, -1.5e5],
