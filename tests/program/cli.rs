@@ -85,6 +85,36 @@ fn mistyped_preset_is_answered_with_the_nearest_and_all_others() {
     assert!(answer.contains("'congestus'") && answer.contains("humilis"), "{answer}");
 }
 
+/// Names of files and of cameras may hold what parts them.
+#[test]
+fn cameras_are_found_whose_names_hold_a_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_folder(&folder, "scene.json");
+    fs::write(&scene, SMALL).unwrap();
+    let file = in_folder(&folder, "take #3.gltf");
+    let node = |name: &str, fov: f64| {
+        (
+            serde_json::json!({"name": name, "camera": fov as u32}),
+            serde_json::json!({"type": "perspective", "perspective": {"yfov": 0.1 + fov, "znear": 0.1}}),
+        )
+    };
+    let (nodes, cameras): (Vec<_>, Vec<_>) =
+        [node("A", 0.0), node("#2", 1.0), node("C #1 # end", 2.0)].into_iter().unzip();
+    let document = serde_json::json!({"asset": {"version": "2.0"}, "nodes": nodes, "cameras": cameras});
+    fs::write(&file, document.to_string()).unwrap();
+    let draw = |camera: &str| {
+        let picture = in_folder(&folder, "a.png");
+        let words = ["render", &scene, "-o", &picture, "--width", "4", "--height", "4", "--quality", "draft"];
+        nephos(&[&words[..], &["--camera", camera]].concat()).assert()
+    };
+    for name in ["", "#A", "##2", "#C #1 # end"] {
+        draw(&format!("{file}{name}")).success();
+    }
+    let refused = draw(&format!("{file}#2")).failure();
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(told.contains("no camera `2`") && told.contains("`#2`"), "{told}");
+}
+
 /// Each option says what it takes, in its own words.
 #[test]
 fn numbers_that_are_none_are_told_by_the_option() {

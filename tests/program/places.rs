@@ -64,9 +64,9 @@ fn names_need_be_no_text() {
     command(desk.path(), "new --preset sphere --force", name(".json")).assert().success();
     let told = command(desk.path(), &format!("{STILL} --json"), name(".png")).assert().success();
     assert!(serde_json::from_slice::<serde_json::Value>(&told.get_output().stdout).is_ok());
-    command(desk.path(), "export sixway scene.json --tile 8", name(".png")).assert().success();
+    command(desk.path(), "export impostor scene.json --views 2 --tile 8", name(".png")).assert().success();
     command(desk.path(), MOVIE, name(".##.png")).assert().success();
-    for expected in [".json", ".png", "_positive.png", "_negative.png", ".01.png", ".02.png"] {
+    for expected in [".json", ".png", "_normal.png", "_depth.png", ".01.png", ".02.png"] {
         assert!(desk.path().join(name(expected)).exists(), "{expected}");
     }
     if has_ffmpeg() {
