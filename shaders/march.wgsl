@@ -48,6 +48,8 @@ override AERIAL: bool = true;
 // Whether that air lacks light that clouds take.
 override AIR_SHADED: bool = false;
 override SCENE_DEPTH: bool = false;
+// Whether the ground hides what is behind it: the cloud reaches below it.
+override GROUND: bool = false;
 
 @group(0) @binding(0) var<uniform> camera: Camera;
 @group(0) @binding(1) var<uniform> cloud: Cloud;
@@ -103,13 +105,18 @@ fn quad(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
         light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND));
 }
 
-// Distance along the ray of what the caller drew in this pixel.
+// Distance along the ray of what hides the rest of it: the ground, or what the caller drew in this pixel.
 fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
-    if !SCENE_DEPTH {
-        return 1e29;
+    var nearest = 1e29;
+    if GROUND {
+        let altitude = camera.altitude + ray.origin.y - cloud.camera.y;
+        nearest = ground_ahead(air, altitude, ray.direction.y);
     }
-    let depth = textureLoad(scene_depth, vec2u(pixel), 0);
-    return depth_distance(camera, cloud.scene_depth, depth, ray.direction);
+    if SCENE_DEPTH {
+        let depth = textureLoad(scene_depth, vec2u(pixel), 0);
+        nearest = min(nearest, depth_distance(camera, cloud.scene_depth, depth, ray.direction));
+    }
+    return nearest;
 }
 
 // A pixel's light, premultiplied by opacity.

@@ -27,6 +27,9 @@ override MOST_TO_SUN: f32 = 0.3;
 // Paths that carry less than this are ended by chance.
 override FAINT: f32 = 0.05;
 
+// Whether the ground hides what is behind it.
+override GROUND: bool = false;
+
 // The sample that a thread is at, of those that its pixel shall have.
 fn sample_of(path: ptr<function, Path>, index: u32) -> u32 {
     return index % LANES + LANES * (*path).taken;
@@ -56,7 +59,10 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     let high = scene.low + scene.cell * vec3f(scene.size);
     let span = box_span(scene.low, high, origin, ray.direction);
     (*path).direction = ray.direction;
-    (*path).position = origin + (span.x + 1e-4 * scene.cell) * ray.direction;
+    (*path).origin = origin;
+    // From far away the place is rounded by more than a hair of a cell, and must not be outside.
+    let hair = vec3f(1e-4 * scene.cell);
+    (*path).position = clamp(origin + span.x * ray.direction, scene.low + hair, high - hair);
     // A ray that misses the grid is outside at once.
     if span.x >= span.y {
         (*path).position = scene.low - vec3f(scene.cell);
@@ -176,6 +182,13 @@ fn near_sun(path: ptr<function, Path>) -> bool {
 // Cosine of 8 degrees.
 const NEAR_SUN: f32 = 0.99;
 
+// Whether the path is seen from the camera through the ground.
+fn is_hidden(path: ptr<function, Path>) -> bool {
+    let altitude = camera.altitude + (*path).origin.y - scene.camera.y;
+    let ground = ground_ahead(sky.atmosphere, altitude, (*path).direction.y);
+    return (*path).collisions == 0u && distance((*path).origin, (*path).position) > ground;
+}
+
 fn advance(path: ptr<function, Path>, index: u32) {
     let is_walk = (*path).mode != TRACK;
     let step = track((*path).position, select((*path).direction, (*path).to_light, is_walk));
@@ -189,6 +202,8 @@ fn advance(path: ptr<function, Path>, index: u32) {
         if step.outside || (*path).shadow <= 0.0 {
             next = end_walk(path);
         }
+    } else if GROUND && is_hidden(path) {
+        next = LEFT;
     } else if step.tentative && draw() < share {
         next = collide(path, step.position, bodies[step.matter.body].table);
     }

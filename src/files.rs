@@ -10,25 +10,104 @@ use std::{
 
 use crate::{Error, Result};
 
+/// Links that lead to links, at most, as systems have it.
+const MOST_LINKS: usize = 40;
+
+/// A file under way: it lies beside the one that it will be, and is gone when it is dropped before that.
+pub struct Beside {
+    /// What was asked for, and the file behind it where that is a link.
+    asked: PathBuf,
+    target: PathBuf,
+    path: PathBuf,
+}
+
+impl Beside {
+    /// Makes an empty file beside `asked`.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] and [`Error::File`] with the path that was asked for: where there is no such folder, or
+    /// nothing can be written into it.
+    pub fn new(asked: &Path) -> Result<Self> {
+        let target = behind_links(asked);
+        let new = Self { path: name_beside(&target), asked: asked.to_owned(), target };
+        // Systems that have no such long names say so here.
+        if let Err(source) = fs::metadata(&new.target)
+            && source.kind() != io::ErrorKind::NotFound
+        {
+            return Err(failed(asked)(source));
+        }
+        File::create_new(&new.path).map_err(failed(asked))?;
+        Ok(new)
+    }
+
+    /// Where it is now.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives it its name, in place of an old file, whose mode it takes.
+    ///
+    /// # Errors
+    /// [`Error::File`] with the path that was asked for.
+    pub fn keep(self) -> Result<()> {
+        let finish = || {
+            File::options().write(true).open(&self.path)?.sync_all()?;
+            if let Ok(old) = fs::metadata(&self.target) {
+                fs::set_permissions(&self.path, old.permissions())?;
+            }
+            fs::rename(&self.path, &self.target)
+        };
+        finish().map_err(failed(&self.asked))
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        // It has its name, or a leftover is no more than untidy.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
 /// Has `write` fill a new file beside `path`, then gives it that name: a failure leaves
 /// what was there before.
 ///
 /// # Errors
 /// [`Error::File`] with the path that was asked for.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
-    // The file behind a link is replaced, not the link.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    if fs::metadata(&target).is_ok_and(|found| !found.is_file()) {
+    if is_no_file(path) {
         // A device or a pipe takes what it is given; a folder says that it is one.
-        return write_through(&target, write).map_err(failed(path));
+        return write_through(path, write).map_err(failed(path));
     }
-    let beside = name_beside(&target);
-    let written = write_new(&beside, write).and_then(|()| fs::rename(&beside, &target));
-    written.map_err(|source| {
-        // The first error is the one to tell; a leftover is no more than untidy.
-        let _ = fs::remove_file(&beside);
-        failed(path)(source)
-    })
+    let beside = Beside::new(path)?;
+    write_through(beside.path(), write).map_err(failed(path))?;
+    beside.keep()
+}
+
+/// Whether a file can be written, to be asked before the work for it is done.
+///
+/// # Errors
+/// [`Error::Argument`] and [`Error::File`] as writing it would have.
+#[cfg(feature = "cli")]
+pub fn check_place(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::Argument(format!("`{}` is a folder: name a file in it", path.display())));
+    }
+    if is_no_file(path) { Ok(()) } else { Beside::new(path).map(drop) }
+}
+
+/// Whether something is there that is no file, but takes bytes as it may.
+fn is_no_file(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file())
+}
+
+/// The file that a link stands for, whether it is there or not: it is replaced, and not the link.
+fn behind_links(path: &Path) -> PathBuf {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        let Ok(next) = fs::read_link(&target) else { break };
+        target = target.parent().unwrap_or(Path::new("")).join(next);
+    }
+    target
 }
 
 fn failed(path: &Path) -> impl FnOnce(io::Error) -> Error {
@@ -48,17 +127,10 @@ fn write_through(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Re
     file.flush()
 }
 
-fn write_new(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create_new(path)?);
-    write(&mut file)?;
-    file.flush()?;
-    file.get_ref().sync_all()
-}
-
-/// A hidden name in the folder of `target` that no other writer uses.
-pub fn name_beside(target: &Path) -> PathBuf {
+/// A hidden name in the folder of `target` that no other writer uses, and short: that of `target` may be as
+/// long as names can be.
+fn name_beside(target: &Path) -> PathBuf {
     static WRITES: AtomicU32 = AtomicU32::new(0);
-    let name = target.file_name().unwrap_or_default().to_string_lossy();
     let write = WRITES.fetch_add(1, Ordering::Relaxed);
-    target.with_file_name(format!(".{name}.{}-{write}.tmp", process::id()))
+    target.with_file_name(format!(".nephos-{}-{write}.tmp", process::id()))
 }

@@ -103,6 +103,13 @@ fn distance_to_ground(a: Atmosphere, altitude: f32, mu: f32) -> f32 {
     return select(-across, square / max(root - across, 1e-20), across * across > square);
 }
 
+// Distance at which the ground hides what is behind it, m; 1e29 where a ray does not meet it. From below the
+// ground as from on it: all that is below the horizon is hidden.
+fn ground_ahead(a: Atmosphere, altitude: f32, mu: f32) -> f32 {
+    let above = max(altitude, 0.0);
+    return select(1e29, distance_to_ground(a, above, mu), mu < horizon_mu(a, above));
+}
+
 // A ray, by what the atmosphere can tell apart: where it starts, how it goes.
 struct AirRay {
     altitude: f32,

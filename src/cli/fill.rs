@@ -5,7 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use glam::DVec3;
 
-use super::{numbers, picture::above_zero, terminal};
+use super::{
+    numbers::{above_zero, numbers, seed},
+    terminal,
+};
 use crate::{
     Error, Result,
     import::{Inside, fill, read_mesh},
@@ -14,7 +17,7 @@ use crate::{
 
 /// Make a cloud in the shape of a mesh: ellipsoids that fill it.
 ///
-/// The mesh must be closed; parts may overlap. Metres and Y up are taken for granted, as in glTF.
+/// The mesh must be closed, but for holes that are small beside it; parts may overlap. Metres and Y up are taken for granted, as in glTF.
 /// Ellipsoids are a little larger than the mesh, by half the thickness of the edge: noise pushes the
 /// cloud's boundary inwards by as much on the average.
 #[derive(Debug, Args)]
@@ -37,7 +40,7 @@ pub struct Fill {
     #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
     edge: f64,
     /// Any whole number: other seeds fill the mesh another way.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// Points along the longest edge of the mesh's box at which it is asked what is inside.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=256))]
@@ -53,7 +56,8 @@ impl Fill {
         let mut mesh = read_mesh(&self.mesh)?;
         let origin = self.at.map_or(DVec3::ZERO, DVec3::from);
         mesh.positions.iter_mut().for_each(|p| *p = self.scale * *p + origin);
-        let filled = fill(&Inside::new(&mesh, self.points), self.count as usize, self.seed)?;
+        let inside = Inside::new(&mesh, self.points);
+        let filled = fill(&inside, self.count as usize, self.seed)?;
         let scene = self.scene(&filled.ellipsoids);
         scene.validate().map_err(|error| {
             Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
@@ -65,6 +69,13 @@ impl Fill {
             filled.ellipsoids.len(),
             100.0 * filled.overlap
         ))?;
+        if inside.openness > 0.0 {
+            terminal::print(&format!(
+                "The mesh has openings, or faces that look the other way, of {} % of its surface: it was filled as if \
+                 closed.\n",
+                percent(inside.openness)
+            ))?;
+        }
         match scene.bounds() {
             Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
                 "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
@@ -91,4 +102,11 @@ impl Fill {
             ..Scene::default()
         }
     }
+}
+
+/// A share above 0 in percent, to two figures.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits = (1.0 - percent.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{percent:.digits$}")
 }

@@ -7,6 +7,7 @@ mod export;
 mod fill;
 mod info;
 mod new;
+mod numbers;
 mod picture;
 mod render;
 mod schema;
@@ -57,11 +58,20 @@ fn command() -> Command {
     if std::env::args_os().len() == 1 && crate::editor::has_desktop() {
         return Command::Edit(edit::Edit::default());
     }
-    let mut line = Cli::command().arg_required_else_help(true);
+    let mut line = taking_negative_numbers(Cli::command()).arg_required_else_help(true);
     let asked = Cli::from_arg_matches(&line.get_matches_mut()).unwrap_or_else(|error| error.exit());
     let nothing =
         || line.error(ErrorKind::MissingSubcommand, "say what to do: `nephos help` lists it").exit();
     asked.command.unwrap_or_else(nothing)
+}
+
+/// Has all options read `-3` as a number, so that each says itself which ones it takes.
+fn taking_negative_numbers(command: clap::Command) -> clap::Command {
+    let reading = |arg: clap::Arg| {
+        let reads = arg.get_action().takes_values() && !arg.is_allow_hyphen_values_set();
+        if reads { arg.allow_negative_numbers(true) } else { arg }
+    };
+    command.mut_args(reading).mut_subcommands(taking_negative_numbers)
 }
 
 /// Exit code of what Ctrl-C has stopped, as shells have it.
@@ -130,16 +140,4 @@ pub fn main() -> ExitCode {
             if matches!(error, Error::Stopped { .. }) { STOPPED.into() } else { ExitCode::FAILURE }
         }
     }
-}
-
-/// `N` numbers between commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let parsed: Vec<f64> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
-    let finite = parsed.iter().all(|number| number.is_finite());
-    let right = text.split(',').count() == N && finite;
-    parsed
-        .try_into()
-        .ok()
-        .filter(|_| right)
-        .ok_or_else(|| format!("give {N} numbers with commas between them"))
 }

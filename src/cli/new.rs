@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser, ValueParser};
 
+use super::numbers::seed;
 use super::terminal::print;
 use crate::scene::{Preset, Scene};
 use crate::{Error, Result};
@@ -16,13 +17,13 @@ pub struct New {
     #[arg(long, value_name = "NAME", value_parser = preset_parser())]
     preset: Preset,
     /// Any whole number: other seeds give other clouds of the same kind.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// File to write; the standard output where left out or `-`.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite FILE where it exists.
-    #[arg(long)]
+    #[arg(long, requires = "output")]
     force: bool,
 }
 

@@ -4,7 +4,11 @@ use std::{path::Path, sync::LazyLock};
 
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
-use super::{open, stopped, tone::ToneOptions};
+use super::{
+    numbers::{above_zero, share},
+    open, stopped,
+    tone::ToneOptions,
+};
 use crate::{
     Error, Result,
     export::{self, Notes, Picture},
@@ -33,7 +37,7 @@ pub struct PictureOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=1_000_000))]
     pub(super) spp: Option<u32>,
     /// Relative noise that is low enough, for `--transport path`: 0.02 is 2 %.
-    #[arg(long, value_name = "SHARE", value_parser = above_zero)]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
     pub(super) noise: Option<f64>,
     /// Time after which the picture is written as it is, for `--transport path`.
     #[arg(long, value_name = "S", value_parser = above_zero)]
@@ -99,14 +103,6 @@ impl ValueEnum for TransportName {
 /// A value as the command line writes it.
 pub(super) fn word(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-/// A number above zero.
-pub(super) fn above_zero(text: &str) -> std::result::Result<f64, String> {
-    match text.parse() {
-        Ok(value) if value > 0.0 && value < f64::INFINITY => Ok(value),
-        _ => Err("give a number above 0".to_owned()),
-    }
 }
 
 /// What draws: it outlives pictures, and what one leaves the next need not do again.

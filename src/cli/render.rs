@@ -9,6 +9,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{
+    numbers::number,
     picture::{Format, Job, Painter, PictureOptions},
     stopped, terminal,
     tone::told,
@@ -16,6 +17,7 @@ use super::{
 use crate::{
     Error, Result,
     export::Notes,
+    files::check_place,
     gpu::{self, PassTime},
     import::read_camera,
     reference::Estimate,
@@ -34,7 +36,7 @@ pub struct Render {
     #[command(flatten)]
     picture: PictureOptions,
     /// The moment to show, seconds since the scene's start; the scene's own `time` where left out.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number)]
     time: Option<f64>,
     /// Go on with the EXR picture that the output holds, if there is one, for `--transport path`.
     #[arg(long)]
@@ -50,19 +52,21 @@ pub struct Render {
     camera: Option<PathBuf>,
 }
 
-/// The camera of `FILE` or `FILE#NAME`.
+/// The camera of `FILE` or `FILE#NAME`; names of files and of cameras may hold `#`, too.
 fn camera_of(named: &Path) -> Result<Camera> {
     let text = named.to_string_lossy();
-    match text.rsplit_once('#') {
-        Some((file, name)) if !named.exists() => read_camera(Path::new(file), Some(name)),
-        _ => read_camera(named, None),
+    let parts = text.match_indices('#').map(|(at, _)| (Path::new(&text[..at]), &text[at + 1..]));
+    let mut parts = parts.filter(|(file, _)| file.is_file() && !named.exists());
+    match parts.next() {
+        Some((file, name)) => read_camera(file, Some(name)),
+        None => read_camera(named, None),
     }
 }
 
 /// What `--json` tells.
 #[derive(Debug, Serialize)]
 struct Report {
-    output: PathBuf,
+    output: String,
     width: u32,
     height: u32,
     adapter: gpu::AdapterSummary,
@@ -91,6 +95,7 @@ impl Render {
         self.picture.check(format)?;
         self.check_resuming(format)?;
         self.check_counting()?;
+        check_place(&self.output)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
         if let Some(file) = &self.camera {
@@ -159,7 +164,8 @@ impl Render {
         let counts = if self.stats { Some(renderer.counts(gpu)?) } else { None };
         let passes = renderer.timing.as_ref().map_or(Ok(Vec::new()), |timing| timing.collect(gpu))?;
         let report = Report {
-            output: self.output.clone(),
+            // JSON has no other names.
+            output: self.output.display().to_string(),
             width: self.picture.width,
             height: self.picture.height,
             adapter: gpu.adapter.clone(),
@@ -178,11 +184,7 @@ impl Report {
     fn text(&self) -> String {
         let mut text = format!(
             "{}: {}x{} in {:.2} s on {}\n",
-            self.output.display(),
-            self.width,
-            self.height,
-            self.seconds,
-            self.adapter.name
+            self.output, self.width, self.height, self.seconds, self.adapter.name
         );
         if let Some(metered) = self.auto_exposure_stops {
             text += &format!("  {}\n", told(metered));

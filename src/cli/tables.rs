@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::terminal;
+use super::{numbers::seed, terminal};
+use crate::files::check_place;
 use crate::optics::slab::{check, study};
 use crate::optics::table::write_mie_table;
 use crate::{Error, Result};
@@ -32,7 +33,7 @@ enum Task {
         #[arg(short, long, default_value = "tables")]
         output: PathBuf,
         /// Number of the random walks that tell where light enters.
-        #[arg(long, default_value_t = study::SEED)]
+        #[arg(long, default_value_t = study::SEED, value_parser = seed)]
         seed: u64,
     },
     /// Make random parts of the tables of slabs anew and compare.
@@ -41,7 +42,7 @@ enum Task {
         #[arg(long, default_value_t = 4)]
         samples: usize,
         /// Which slabs: another number, other slabs.
-        #[arg(long, default_value_t = 0)]
+        #[arg(long, default_value_t = 0, value_parser = seed)]
         seed: u64,
     },
 }
@@ -53,7 +54,10 @@ impl Tables {
     /// [`Error::File`] where a file cannot be written, [`Error::Table`] where a table is wrong.
     pub fn run(self) -> Result<()> {
         match self.task {
-            Task::Mie { output } => with_bar("Mie table", |progress| write_mie_table(&output, progress)),
+            Task::Mie { output } => {
+                check_place(&output)?;
+                with_bar("Mie table", |progress| write_mie_table(&output, progress))
+            }
             Task::Slab { output, seed } => {
                 with_bar("Slabs", |progress| study::write_tables(&output, seed, progress))
             }

@@ -1,8 +1,12 @@
 //! What the program shows in a terminal.
 
-use std::io::{self, IsTerminal, Write};
+use std::{
+    io::{self, IsTerminal, Write},
+    sync::{Mutex, PoisonError},
+    time::{Duration, Instant},
+};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
 
 use crate::{Error, Result};
 
@@ -13,16 +17,76 @@ pub(super) fn log() {
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).without_time().init();
 }
 
-/// A bar that appears on terminals only, for work that takes over a second.
+/// A bar on terminals, for work that takes over a second; elsewhere a line now and then.
 pub(super) fn progress(message: &'static str) -> ProgressBar {
     let bar = ProgressBar::new(1000).with_message(message);
-    if !io::stderr().is_terminal() {
-        bar.set_draw_target(ProgressDrawTarget::hidden());
-    }
-    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent}% {eta} left") {
+    let template = if io::stderr().is_terminal() {
+        "{msg} {wide_bar} {percent}% {eta} left"
+    } else {
+        let lines =
+            Lines { every: LINE_EVERY, last: Mutex::new(Instant::now()), out: |line| eprintln!("{line}") };
+        bar.set_draw_target(ProgressDrawTarget::term_like_with_hz(Box::new(lines), 1));
+        "{msg} {percent}% {eta} left"
+    };
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar
+}
+
+/// Time between two lines of progress.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// Takes what a bar draws, and writes a line of it now and then: logs have no cursor to go back with.
+#[derive(Debug)]
+struct Lines {
+    every: Duration,
+    last: Mutex<Instant>,
+    out: fn(&str),
+}
+
+impl TermLike for Lines {
+    fn width(&self) -> u16 {
+        80
+    }
+
+    fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn write_line(&self, line: &str) -> io::Result<()> {
+        self.write_str(line)
+    }
+
+    fn write_str(&self, text: &str) -> io::Result<()> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let line = text.trim();
+        if !line.is_empty() && last.elapsed() >= self.every {
+            *last = Instant::now();
+            (self.out)(line);
+        }
+        Ok(())
+    }
+
+    fn clear_line(&self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn flush(&self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Writes `text` to the standard output; a reader that went away is no error.
@@ -42,4 +106,34 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|error| Error::Argument(format!("the result could not be written as JSON: {error}")))?;
     print(&(text + "\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_progress_are_few_and_plain() {
+        static SAID: Mutex<Vec<String>> = Mutex::new(Vec::new());
+        let lines = |every| Lines {
+            every,
+            last: Mutex::new(Instant::now()),
+            out: |line| SAID.lock().unwrap().push(line.to_owned()),
+        };
+        let draw = |lines: Lines| {
+            let style = ProgressStyle::with_template("{msg} {percent}%").unwrap();
+            let target = ProgressDrawTarget::term_like(Box::new(lines));
+            let bar = ProgressBar::with_draw_target(Some(1000), target).with_style(style);
+            bar.set_message("frames");
+            bar.set_position(250);
+            bar.tick();
+            bar.finish_and_clear();
+        };
+        draw(lines(LINE_EVERY));
+        assert!(SAID.lock().unwrap().is_empty());
+        draw(lines(Duration::ZERO));
+        let said = SAID.lock().unwrap();
+        assert!(said.iter().any(|line| line == "frames 25%"), "{said:?}");
+        assert!(said.iter().all(|line| !line.is_empty() && !line.contains('\u{1b}')), "{said:?}");
+    }
 }

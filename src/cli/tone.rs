@@ -12,7 +12,7 @@ use crate::{
 pub(super) struct ToneOptions {
     /// Exposure in stops instead of the scene's (not for files that hold the light itself); with auto exposure
     /// it comes on top of what is metered.
-    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    #[arg(long, value_name = "STOPS", value_parser = stops)]
     exposure: Option<f64>,
     /// Whether the light of the clouds tells the exposure, instead of what the scene says (not for files that
     /// hold the light itself).

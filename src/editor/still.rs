@@ -163,7 +163,7 @@ fn draw(gpu: &Gpu, scene: &Scene, still: &Still, control: &Control, window: &Con
     if !draw_pieces(gpu, &renderer, pieces, control, window)? {
         return Ok(false);
     }
-    let picture = film.read(gpu, &linear)?;
+    let picture = film.read(gpu, &linear)?.times(frame.unit());
     if is_exr {
         export::write_beauty(&still.path, &picture)?;
     } else {

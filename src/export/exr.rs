@@ -56,7 +56,8 @@ pub fn write_layers_noted(
     let [sky, single, multiple, air, distance, normal] =
         [&layers.sky, &layers.single, &layers.multiple, &layers.air, &layers.distance, &layers.normal]
             .map(read);
-    let (sky, single, multiple, air, distance, normal) = (sky?, single?, multiple?, air?, distance?, normal?);
+    let [sky, single, multiple, air] = [sky?, single?, multiple?, air?].map(|light| light.times(layers.unit));
+    let (distance, normal) = (distance?, normal?);
     let mut list = channels("", &beauty(&sky, &[&single, &multiple, &air], transparent));
     for (name, layer) in [("sky", &sky), ("single", &single), ("multiple", &multiple), ("air", &air)] {
         list.extend(channels(name, layer).into_iter().filter(|(name, _)| !name.ends_with('A')));
@@ -107,21 +108,34 @@ pub(super) fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)
         .collect()
 }
 
+/// Whether half floats hold such values: the largest is not cut, and is no speck of the smallest.
+fn held_by_halves<'a>(values: impl Iterator<Item = &'a f32>) -> bool {
+    let largest = values.fold(0f32, |largest, value| largest.max(value.abs()));
+    largest == 0.0 || (LEAST_HALF..=f16::MAX.to_f32()).contains(&largest)
+}
+
+/// Pictures whose largest value is below this have few shades in half floats.
+const LEAST_HALF: f32 = 1e-3;
+
 /// What a file tells beside its pixels.
 pub(super) type Attributes = HashMap<openexr::Text, AttributeValue>;
 
 /// Layers that half floats can't hold: depths, and what is added to later.
 const FLOATS: [&str; 3] = ["depth.", "cloud.", "error."];
 
-/// Colours as half floats, [`FLOATS`] as floats.
+/// Colours as half floats where these hold them, [`FLOATS`] as floats.
 pub(super) fn write_channels(
     path: &Path,
     size: &Picture,
     list: &[(String, Vec<f32>)],
     attributes: Attributes,
 ) -> Result<()> {
+    let is_float = |name: &str| FLOATS.iter().any(|layer| name.starts_with(layer));
+    let is_light = |name: &str| name.ends_with(['R', 'G', 'B']) && !is_float(name);
+    let light = list.iter().filter(|(name, _)| is_light(name)).flat_map(|(_, values)| values);
+    let halves = held_by_halves(light);
     let channels = list.iter().map(|(name, values)| {
-        let samples = if FLOATS.iter().any(|layer| name.starts_with(layer)) {
+        let samples = if !halves || is_float(name) {
             openexr::FlatSamples::F32(values.clone())
         } else {
             openexr::FlatSamples::F16(values.iter().map(|&value| f16::from_f32(value)).collect())

@@ -2,6 +2,7 @@
 //! Mitsuba), skies and sprites for games.
 
 pub mod atlas;
+mod bleed;
 mod camera;
 mod estimate;
 mod exr;
@@ -17,6 +18,7 @@ mod studio;
 mod vdb;
 mod vol;
 
+pub use bleed::bled;
 pub use camera::write_camera;
 pub use estimate::{Earlier, read_estimate, write_estimate, write_estimate_noted};
 pub use exr::{write_beauty, write_beauty_noted, write_layers, write_layers_noted, write_named};

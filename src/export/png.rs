@@ -1,12 +1,12 @@
 //! PNG, 8 bits a channel, sRGB.
 
-use std::{borrow::Cow, io, path::Path};
+use std::{io, path::Path};
 
-use super::Notes;
+use super::{Notes, bleed::bled_bytes};
 use crate::{Error, Result, files::write_whole};
 
 /// Writes RGBA bytes, row by row from the top; alpha is kept where `transparent`, else
-/// left out.
+/// left out. Colours under alpha 0 are those of the nearest pixels that are seen.
 ///
 /// # Errors
 /// [`Error::File`] when the file can't be written.
@@ -26,8 +26,8 @@ pub fn write_png_noted(
     notes: &Notes,
 ) -> Result<()> {
     let (bytes, color) = match transparent {
-        true => (Cow::Borrowed(rgba), png::ColorType::Rgba),
-        false => (Cow::Owned(opaque_of(rgba)), png::ColorType::Rgb),
+        true => (bled_bytes(rgba, size[0] as usize), png::ColorType::Rgba),
+        false => (opaque_of(rgba), png::ColorType::Rgb),
     };
     write(path, size, &bytes, (color, png::BitDepth::Eight), notes)
 }

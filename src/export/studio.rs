@@ -28,12 +28,12 @@ pub struct Shot {
 }
 
 impl Studio {
-    /// A studio that takes `rays` by `rays` rays a pixel. Without air in front of the clouds they
-    /// look the same from any distance, as sprites must.
-    pub fn new(gpu: &Gpu, rays: u32, air_before_clouds: bool) -> Self {
+    /// A studio that takes `rays` by `rays` rays a pixel. Clouds alone have neither air nor ground in front of
+    /// them: they look the same from any distance, and are whole, as sprites must.
+    pub fn new(gpu: &Gpu, rays: u32, among_air_and_ground: bool) -> Self {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
         renderer.settings.quality = Quality::FINAL;
-        renderer.settings.aerial = air_before_clouds;
+        (renderer.settings.aerial, renderer.settings.ground) = (among_air_and_ground, among_air_and_ground);
         Self { gpu: gpu.clone(), renderer, rays }
     }
 
@@ -107,6 +107,7 @@ impl Studio {
                 (0..3).for_each(|c| sum[c] += pixel[c]);
             }
         }
+        let color = color.times(layers.unit);
         let mut distance = read(distance)?;
         distance.pixels.iter_mut().for_each(|pixel| pixel[0] *= 1e3);
         Ok(Shot { color, distance, normal: read(normal)? })

@@ -6,6 +6,7 @@ mod camera;
 mod matrices;
 pub(crate) mod medium;
 mod shared;
+mod unit;
 
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
@@ -31,6 +32,8 @@ pub struct Frame {
     /// Altitude of the ground, m.
     pub(crate) ground: f64,
     pub(crate) clouds: Vec<CloudFrame>,
+    /// What 1 stands for in the lights of sun and sky.
+    unit: f32,
 }
 
 /// The sun above the atmosphere.
@@ -77,8 +80,9 @@ impl Frame {
             sun,
             ground: moved.ground.altitude,
             clouds: clouds(&moved)?,
+            unit: 1.0,
         };
-        frame.seen_by(&camera, size)
+        frame.in_its_unit().seen_by(&camera, size)
     }
 
     /// The same moment seen by another camera, for a picture of `size` pixels. What is in the clouds
@@ -173,7 +177,7 @@ mod tests {
     use crate::scene::Preset;
 
     #[test]
-    fn hidden_ellipsoids_and_clouds_are_left_out_but_the_camera_stays() {
+    fn hidden_ellipsoids_and_clouds_are_left_out_and_the_camera_takes_no_note_of_them() {
         let mut scene = Preset::Kol.scene(1);
         scene.camera = None;
         scene.clouds.push(scene.clouds[0].clone());
@@ -184,6 +188,13 @@ mod tests {
         let counts = |frame: &Frame| frame.clouds.iter().map(|c| c.medium.ellipsoids.len()).collect();
         let (before, after): (Vec<_>, Vec<_>) = (counts(&all), counts(&some));
         assert_eq!((before, after), (vec![8, 8], vec![7]));
-        assert_eq!(some.camera_position, all.camera_position);
+        let mut shown = scene.clone();
+        shown.clouds.remove(0);
+        shown.clouds[0].ellipsoids.remove(2);
+        assert_eq!(some.camera_position, Frame::new(&shown, [16, 9]).unwrap().camera_position);
+        assert_ne!(some.camera_position, all.camera_position);
+        // Where all are hidden the camera stays.
+        scene.clouds[1].hidden = true;
+        assert_eq!(Frame::new(&scene, [16, 9]).unwrap().camera_position, all.camera_position);
     }
 }

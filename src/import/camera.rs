@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use glam::{DMat4, DVec3};
-use gltf::camera::Projection as Found;
 
-use super::gltf_file::{open, visit_nodes};
+use super::gltf::{Gltf, Lens};
 use crate::{
     Error, Result,
     scene::{Camera, Projection},
@@ -17,14 +16,14 @@ use crate::{
 /// # Errors
 /// [`Error::File`] and [`Error::Format`] where the file can't be read or has no such camera.
 pub fn read_camera(path: &Path, name: Option<&str>) -> Result<Camera> {
-    let file = open(path)?;
+    let file = Gltf::open(path)?;
     let mut cameras = Vec::new();
-    visit_nodes(&file, &mut |node, world_from_node| {
-        if let Some(camera) = node.camera() {
-            let names = [node.name(), camera.name()].map(|name| name.unwrap_or_default().to_owned());
-            cameras.push((names, placed(world_from_node, &camera.projection())));
+    for (node, world_from_node) in file.nodes() {
+        if let Some(lens) = file.camera(node) {
+            let names = [&node.name, &lens.name].map(|name| name.clone().unwrap_or_default());
+            cameras.extend(placed(world_from_node, lens).map(|camera| (names, camera)));
         }
-    });
+    }
     let wanted = |names: &[String; 2]| name.is_none_or(|name| names.iter().any(|own| own == name));
     if let Some((_, camera)) = cameras.iter().find(|(names, _)| wanted(names)) {
         return Ok(camera.clone());
@@ -38,20 +37,17 @@ pub fn read_camera(path: &Path, name: Option<&str>) -> Result<Camera> {
 }
 
 /// A camera looks along -z of its node, and y is up in the picture.
-fn placed(world_from_node: DMat4, projection: &Found<'_>) -> Camera {
+fn placed(world_from_node: DMat4, lens: &Lens) -> Option<Camera> {
     let position = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(DVec3::Z);
     let up = world_from_node.y_axis.truncate();
-    let projection = match projection {
-        Found::Perspective(lens) => {
-            Projection::Perspective { vertical_fov_deg: f64::from(lens.yfov()).to_degrees() }
-        }
-        Found::Orthographic(parallel) => {
-            Projection::Orthographic { height: 2.0 * f64::from(parallel.ymag()).abs() }
-        }
+    let projection = match (&lens.perspective, &lens.orthographic) {
+        (Some(lens), _) => Projection::Perspective { vertical_fov_deg: lens.yfov.to_degrees() },
+        (None, Some(parallel)) => Projection::Orthographic { height: 2.0 * parallel.ymag.abs() },
+        (None, None) => return None,
     };
     let mut camera = Camera { position, target: position + 1000.0 * forward, roll_deg: 0.0, projection };
     let level = camera.world_from_camera();
     camera.roll_deg = up.dot(level * DVec3::X).atan2(up.dot(level * DVec3::Y)).to_degrees();
-    camera
+    Some(camera)
 }

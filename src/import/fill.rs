@@ -19,6 +19,11 @@ const ROUNDS: usize = 40;
 /// Factors on all radii, of which the one is taken that overlaps the mesh best.
 const FACTORS: [f64; 9] = [0.95, 1.0, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3, 1.35];
 
+/// Fewer points inside say nothing of a shape.
+const LEAST_POINTS: usize = 8;
+/// The greatest [`Inside::openness`] that is filled: half a ball without its base has 0.5, one flat by half 0.7, and a hilly sheet nearly 1.
+const MOST_OPEN: f64 = 0.75;
+
 /// Ellipsoids in a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filled {
@@ -42,15 +47,11 @@ struct Part {
 /// the same ones.
 ///
 /// # Errors
-/// [`Error::Argument`] where the mesh encloses nothing.
+/// [`Error::Argument`] where the mesh encloses nothing, or is more open than closed.
 pub fn fill(inside: &Inside, count: usize, seed: u64) -> Result<Filled> {
     let points = inside.points();
-    if points.len() < 8 {
-        return Err(Error::Argument(
-            "the mesh encloses nothing: it must be closed, and its faces must look outwards".to_owned(),
-        ));
-    }
-    let count = count.min(points.len() / 8);
+    check_closed(inside, points.len())?;
+    let count = count.min(points.len() / LEAST_POINTS);
     let least = inside.step * inside.step / 12.0;
     let mut owners = nearest(&points, &seeds(&points, count, seed));
     let mut parts = Vec::new();
@@ -68,6 +69,22 @@ pub fn fill(inside: &Inside, count: usize, seed: u64) -> Result<Filled> {
     };
     let best = FACTORS.map(scaled).into_iter().max_by(|a, b| a.overlap.total_cmp(&b.overlap));
     best.ok_or_else(|| Error::Argument("no ellipsoid fits".to_owned()))
+}
+
+/// Holes may be filled over, but a sheet encloses nothing.
+fn check_closed(inside: &Inside, points: usize) -> Result<()> {
+    let problem = match inside.openness {
+        0.0 if points < LEAST_POINTS => {
+            "the mesh encloses nothing: it must be closed, and its faces must look outwards".to_owned()
+        }
+        open if points < LEAST_POINTS || open > MOST_OPEN => format!(
+            "the mesh is open and encloses nothing that can be filled: its openings, or faces that look the other \
+             way, are {:.0} % of its surface; close its holes and have all faces look outwards",
+            100.0 * open
+        ),
+        _ => return Ok(()),
+    };
+    Err(Error::Argument(problem))
 }
 
 /// Points far from one another, as k-means++ (Arthur and Vassilvitskii 2007) begins.

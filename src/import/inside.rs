@@ -3,7 +3,8 @@
 //! A line along each axis through a point crosses the surface; how often outwards less how often
 //! inwards beyond the point is 0 outside. Two of the three axes decide, so that a hole or a stray
 //! face does not: the winding numbers of closed parts that overlap add up, and what is in any of them
-//! is inside.
+//! is inside. A line that has gone in more often than out where it ends proves the surface open, and
+//! tells nothing of its points.
 
 use glam::{DVec3, IVec3, UVec3};
 
@@ -17,6 +18,8 @@ pub struct Inside {
     /// The first point of the grid, m.
     low: DVec3,
     size: UVec3,
+    /// Area of the openings that lines go through, over that of the surface: 0 where none is found, and 1 for a sheet.
+    pub openness: f64,
     /// How many axes call a point inside; x fastest.
     votes: Vec<u8>,
 }
@@ -31,8 +34,12 @@ impl Inside {
         // Not on the round numbers that corners and edges like to lie on.
         let low = low + step * DVec3::new(0.503_1, 0.497_3, 0.501_7);
         let votes = vec![0; (size.x * size.y * size.z) as usize];
-        let mut inside = Self { step, low, size, votes };
-        (0..3).for_each(|axis| inside.vote(mesh, axis));
+        let mut inside = Self { step, low, size, openness: 0.0, votes };
+        let open = DVec3::from([0, 1, 2].map(|axis| inside.vote(mesh, axis)));
+        let surface: f64 = mesh.corners().map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum();
+        if surface > 0.0 {
+            inside.openness = step * step * open.length() / surface;
+        }
         inside
     }
 
@@ -62,8 +69,9 @@ impl Inside {
         self.low + self.step * at.as_dvec3()
     }
 
-    /// Counts how often lines along `axis` cross the surface before each point.
-    fn vote(&mut self, mesh: &Mesh, axis: usize) {
+    /// Has the lines along `axis` that end outside vote for the points that they have inside; tells what winding all
+    /// others end with, together.
+    fn vote(&mut self, mesh: &Mesh, axis: usize) -> f64 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let size = self.size.to_array().map(|n| n as usize);
         // Crossings of each line: where, and +1 into the mesh or -1 out of it.
@@ -89,8 +97,14 @@ impl Inside {
                 }
             }
         }
+        let mut open = 0.0;
         let stride = [1, size[0], size[0] * size[1]];
         for (line, crossings) in lines.iter_mut().enumerate() {
+            let end: i32 = crossings.iter().map(|(_, turn)| turn).sum();
+            if end != 0 {
+                open += f64::from(end.abs());
+                continue;
+            }
             crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
             let first = line % size[u] * stride[u] + line / size[u] * stride[v];
             let (mut winding, mut next) = (0, 0);
@@ -102,6 +116,7 @@ impl Inside {
                 self.votes[first + k * stride[axis]] += u8::from(winding != 0);
             }
         }
+        open
     }
 }
 

@@ -2,9 +2,10 @@
 
 mod camera;
 mod fill;
-mod gltf_file;
+mod gltf;
 mod inside;
 mod mesh;
+mod obj;
 
 pub use camera::read_camera;
 pub use fill::{Filled, fill};

@@ -73,6 +73,8 @@ pub struct PathTracer {
     /// Rounds of a dispatch in which all threads have work: the first one after more samples were
     /// asked for. Later ones, for few long paths, have more.
     full_rounds: u32,
+    /// What 1 stands for in what is summed.
+    unit: f32,
     earlier: Option<Estimate>,
 }
 
@@ -99,10 +101,11 @@ impl Default for PathOptions {
 
 impl PathOptions {
     /// What the shader does with them, and under which sky.
-    fn overrides(&self, atmosphere: bool, lanes: u32) -> Vec<(&'static str, f64)> {
+    fn overrides(&self, atmosphere: bool, ground: bool, lanes: u32) -> Vec<(&'static str, f64)> {
         let mut list = vec![
             ("LANES", f64::from(lanes)),
             ("ATMOSPHERE", f64::from(u8::from(atmosphere))),
+            ("GROUND", f64::from(u8::from(ground))),
             ("FAINT", self.faint),
         ];
         if !self.guided {
@@ -147,7 +150,8 @@ impl PathTracer {
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
-        let overrides = options.overrides(sky.has_atmosphere(), lanes);
+        let ground = sky.has_atmosphere() && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
+        let overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
         let program = ComputeProgram::with_roles(device, "path", &[ELLIPSOIDS], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
@@ -182,6 +186,7 @@ impl PathTracer {
             size: frame.size(),
             lanes,
             full_rounds: ROUNDS[0],
+            unit: frame.unit(),
             earlier: None,
         })
     }
@@ -251,7 +256,7 @@ impl PathTracer {
         Ok(share)
     }
 
-    /// What has been found so far.
+    /// What has been found so far, in the unit of the scene's lights.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
@@ -265,7 +270,10 @@ impl PathTracer {
             };
             Moments::sum(&sums.iter().enumerate().map(part).collect::<Vec<_>>()).mean_and_error()
         };
-        let (mean, error) = sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
+        let (mut mean, mut error): (Vec<[f32; 4]>, Vec<[f32; 3]>) =
+            sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
+        mean.iter_mut().for_each(|pixel| pixel[..3].iter_mut().for_each(|light| *light *= self.unit));
+        error.as_flattened_mut().iter_mut().for_each(|error| *error *= self.unit);
         let estimate = Estimate { mean, error, samples };
         self.earlier.as_ref().map_or_else(|| Ok(estimate.clone()), |earlier| earlier.merged(&estimate))
     }

@@ -17,6 +17,8 @@ pub struct Settings {
     pub aerial: bool,
     /// Whether clouds cast shadows on the ground and in the air, where there is an atmosphere.
     pub shadows: bool,
+    /// Whether the ground hides clouds below and behind it, where the sky is an atmosphere.
+    pub ground: bool,
     /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
     /// what they have, of another moment, and are not drawn while they have none. For windows in which
     /// something moves.
@@ -36,6 +38,7 @@ impl Default for Settings {
             transport: Transport::default(),
             aerial: true,
             shadows: true,
+            ground: true,
             lights_at_once: u32::MAX,
             bake_from: BAKE_FROM,
             counting: false,

@@ -125,7 +125,16 @@ impl Cloud {
 
     /// Exact axis-aligned bounds of all ellipsoids above its level, metres; `None` without ellipsoids.
     pub fn bounds(&self) -> Option<Bounds> {
-        let (mut low, high) = self.ellipsoids.iter().map(Ellipsoid::bounds).reduce(union)?;
+        self.bounds_of(self.ellipsoids.iter())
+    }
+
+    /// The same of those that pictures show.
+    pub fn visible_bounds(&self) -> Option<Bounds> {
+        self.bounds_of(self.visible())
+    }
+
+    fn bounds_of<'a>(&self, ellipsoids: impl Iterator<Item = &'a Ellipsoid>) -> Option<Bounds> {
+        let (mut low, high) = ellipsoids.map(Ellipsoid::bounds).reduce(union)?;
         // All of it may be below.
         low.y = self.level.map_or(low.y, |level| low.y.max(level.min(high.y)));
         Some((low, high))

@@ -30,7 +30,7 @@ pub(super) fn explain(text: &str, path: &serde_path_to_error::Path, error: &serd
     // A file of another format has other fields: that explains everything else.
     if let Some(format) = value.as_ref().and_then(|value| value.get("format"))
         && format.is_number()
-        && *format != FORMAT
+        && format.as_f64() != Some(f64::from(FORMAT))
     {
         return Error::Scene { path: "format".to_owned(), problem: wrong_format(format) };
     }
@@ -38,7 +38,7 @@ pub(super) fn explain(text: &str, path: &serde_path_to_error::Path, error: &serd
     let found = match message.as_str() {
         _ if error.is_data() => in_our_words(&message, path),
         "number out of range" => "the number is too large for any field".to_owned(),
-        _ if value.is_none() => return not_json(error),
+        _ if value.is_none() => return not_json(text, error),
         // Sound JSON of another shape: the reader's own words would mislead.
         "trailing characters" => "the list is longer than expected".to_owned(),
         _ => CHOICE.to_owned(),
@@ -46,11 +46,30 @@ pub(super) fn explain(text: &str, path: &serde_path_to_error::Path, error: &serd
     Error::Scene { path: told(path), problem: format!("{found} (line {})", error.line()) }
 }
 
-pub(super) fn not_json(error: &serde_json::Error) -> Error {
+pub(super) fn not_json(text: &str, error: &serde_json::Error) -> Error {
+    let said = bare_message(error);
     Error::Scene {
         path: format!("line {}, column {}", error.line(), error.column()),
-        problem: format!("the text is no JSON: {}", bare_message(error)),
+        problem: format!("the text is no JSON: {}", other_language(text, error).unwrap_or(&said)),
     }
+}
+
+/// What stands where the reader stopped, if other languages have it.
+fn other_language(text: &str, error: &serde_json::Error) -> Option<&'static str> {
+    let line = text.split('\n').nth(error.line().checked_sub(1)?)?;
+    // The reader stops at the word that it does not know, or in it.
+    let stop = line.char_indices().map(|(at, _)| at).take_while(|at| *at < error.column()).last()?;
+    let before = line[..stop].trim_end_matches(|c: char| c.is_alphanumeric() || "+-/".contains(c));
+    let word = line[before.len()..].to_lowercase();
+    let number = word.trim_start_matches(['+', '-']);
+    if ["nan", "inf"].iter().any(|start| number.starts_with(start)) {
+        return Some("it has no NaN and no Infinity; write a number, or leave the field out for its default");
+    }
+    if ["//", "/*", "#"].iter().any(|start| word.starts_with(start)) {
+        return Some("it has no comments; remove them, or write what they say as a `name`");
+    }
+    let python = ["none", "true", "false"].iter().any(|start| word.starts_with(start));
+    python.then_some("its words are `null`, `true` and `false`, in small letters")
 }
 
 /// The message of `error` without its place.

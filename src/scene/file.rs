@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::string::FromUtf8Error;
 
 use schemars::schema_for;
 use serde_json::Value;
@@ -28,7 +29,7 @@ impl Scene {
         let mut reader = serde_json::Deserializer::from_str(text);
         let mut scene: Self = serde_path_to_error::deserialize(&mut reader)
             .map_err(|error| explain(text, error.path(), error.inner()))?;
-        reader.end().map_err(|error| not_json(&error))?;
+        reader.end().map_err(|error| not_json(text, &error))?;
         refuse_positional(text, &scene)?;
         scene.normalise();
         scene.grow_clouds()?;
@@ -43,14 +44,13 @@ impl Scene {
     /// too large, otherwise as [`Scene::from_json`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let text =
+        let bytes =
             read(path).map_err(|source| Error::File { action: "read", path: path.to_owned(), source })?;
-        if text.len() as u64 > MAX_BYTES {
-            return Err(Error::Format {
-                path: path.to_owned(),
-                problem: format!("is larger than {} MiB: no scene file", MAX_BYTES >> 20),
-            });
+        let refused = |problem: String| Error::Format { path: path.to_owned(), problem };
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(refused(format!("is larger than {} MiB: no scene file", MAX_BYTES >> 20)));
         }
+        let text = String::from_utf8(bytes).map_err(|error| refused(encoding(&error)))?;
         Self::from_json(&text)
     }
 
@@ -159,14 +159,25 @@ fn vectors_on_one_line(text: &str) -> String {
     joined
 }
 
-fn read(path: &Path) -> io::Result<String> {
-    let mut text = String::new();
+fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
     if path == Path::new("-") {
-        io::stdin().take(MAX_BYTES + 1).read_to_string(&mut text)?;
+        io::stdin().take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     } else {
-        fs::File::open(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+        fs::File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     }
-    Ok(text)
+    Ok(bytes)
+}
+
+/// What bytes are that are no UTF-8, and the way out.
+fn encoding(error: &FromUtf8Error) -> String {
+    let bytes = error.as_bytes();
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
+        return "is written in UTF-16: save it as UTF-8 (`-Encoding utf8` in PowerShell)".to_owned();
+    }
+    let right = error.utf8_error().valid_up_to();
+    let line = bytes[..right].iter().filter(|byte| **byte == b'\n').count() + 1;
+    format!("has a byte in line {line} that is no UTF-8 ({:#04x}): save it as UTF-8", bytes[right])
 }
 
 /// Refuses lists where the schema wants objects: the reader would take the fields by

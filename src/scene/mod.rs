@@ -21,6 +21,7 @@ mod sun;
 pub mod timeline;
 mod tone;
 mod validate;
+mod whole;
 mod wind;
 
 use glam::DVec3;
@@ -48,6 +49,7 @@ pub use wind::Wind;
 
 use crate::Result;
 use validate::{At, Limits};
+use whole::whole;
 
 /// The version of the scene format that this program reads and writes.
 pub const FORMAT: u32 = 1;
@@ -68,8 +70,12 @@ pub type Bounds = (DVec3, DVec3);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
+    /// Where an editor of text finds this schema, for people; it changes nothing in the picture.
+    #[serde(rename = "$schema", skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
     /// Version of the scene format: 1.
-    #[schemars(range(min = FORMAT, max = FORMAT))]
+    #[serde(deserialize_with = "whole")]
+    #[schemars(with = "u32", range(min = FORMAT, max = FORMAT))]
     pub format: u32,
     /// A name for people; it changes nothing in the picture.
     pub name: String,
@@ -91,7 +97,7 @@ pub struct Scene {
     #[schemars(range(min = TIME.min, max = TIME.max), extend("unit" = TIME.unit))]
     pub time: f64,
     /// Where the picture is taken from. Left out, it is taken from the ground in the
-    /// south, filled with all clouds as they are at time 0.
+    /// south, filled with all clouds that are not hidden, as they are at time 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
     /// Brightness of the picture in stops, -20 to 20: each stop doubles it. With auto exposure it is
@@ -117,6 +123,7 @@ fn is_default(curve: &ToneCurve) -> bool {
 impl Default for Scene {
     fn default() -> Self {
         Self {
+            schema: None,
             format: FORMAT,
             name: String::new(),
             clouds: Vec::new(),
@@ -141,10 +148,16 @@ impl Scene {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
 
-    /// Size of the largest billows of all clouds, m; 0 without clouds.
+    /// The same of those that pictures show.
+    pub fn visible_bounds(&self) -> Option<Bounds> {
+        self.clouds.iter().filter_map(Cloud::visible_bounds).reduce(union)
+    }
+
+    /// Size of the largest billows of all clouds that pictures show, m; 0 without clouds.
     pub fn largest_billows(&self) -> f64 {
-        let size =
-            |cloud: &Cloud| Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.bounds()?));
+        let size = |cloud: &Cloud| {
+            Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.visible_bounds()?))
+        };
         self.clouds.iter().filter_map(size).fold(0.0, f64::max)
     }
 
@@ -154,12 +167,12 @@ impl Scene {
     }
 
     /// The scene's camera, or one that stands on the ground south of the clouds and
-    /// frames all of them in a 16:9 picture, as they are at time 0.
+    /// frames all of them that are not hidden in a 16:9 picture, as they are at time 0.
     pub fn camera(&self) -> Camera {
         if let Some(camera) = &self.camera {
             return camera.clone();
         }
-        match self.bounds() {
+        match self.visible_bounds().or_else(|| self.bounds()) {
             Some(bounds) => Camera::framing(bounds, self.ground.altitude),
             None => {
                 let mut camera = Camera::default();

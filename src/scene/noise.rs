@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Bounds;
 use super::validate::{At, COORDINATE, Limits};
+use super::whole::whole;
 use crate::Result;
 
 const SCALE: Limits = Limits::new(0.1, 1e5, "metres");
@@ -23,6 +24,8 @@ const SHARE: f64 = 0.16;
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
     /// Any whole number, 0 to 4294967295: other seeds give other billows of the same kind.
+    #[serde(deserialize_with = "whole")]
+    #[schemars(with = "u32", range(min = 0, max = u32::MAX))]
     pub seed: u32,
     /// Size of the largest billows, metres, 0.1 to 100000: 0.16 of the cloud's size where left out, that
     /// is the cube root of the box around it.
@@ -65,7 +68,9 @@ pub struct Renewed {
     /// So often since it was as noise that stands still, -1000000 to 1000000, no unit.
     #[schemars(range(min = TIMES.min, max = TIMES.max))]
     pub times: f64,
-    /// After so many it is as it was at the start; never where 0.
+    /// After so many it is as it was at the start, 0 to 4294967295; never where 0.
+    #[serde(deserialize_with = "whole")]
+    #[schemars(with = "u32", range(min = 0, max = u32::MAX))]
     pub round: u32,
 }
 

@@ -40,7 +40,8 @@ pub struct Atmosphere {
     pub ozone: f64,
 }
 
-/// The land below: a plane that reflects light evenly in all directions.
+/// The land below: a plane that reflects light evenly in all directions. Under an atmosphere it is round as the
+/// Earth to the eye, and hides what is below and behind it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Ground {

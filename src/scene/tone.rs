@@ -27,3 +27,11 @@ pub struct Tone {
     /// The curve.
     pub curve: ToneCurve,
 }
+
+impl Tone {
+    /// The same for light of which 1 stands for so much.
+    #[must_use]
+    pub fn in_unit(self, unit: f32) -> Self {
+        Self { stops: self.stops + f64::from(unit).log2(), ..self }
+    }
+}

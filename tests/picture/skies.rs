@@ -192,8 +192,11 @@ fn ktx_files_hold_six_faces_with_their_levels() {
     let reader = ktx2::Reader::new(&bytes).unwrap();
     let header = reader.header();
     assert_eq!(header.format, Some(ktx2::Format::BC6H_UFLOAT_BLOCK));
-    assert_eq!((header.pixel_width, header.face_count, header.level_count), (16, 6, 3));
-    assert_eq!(reader.levels().map(|level| level.data.len()).collect::<Vec<_>>(), [6 * 256, 6 * 64, 6 * 16]);
+    assert_eq!((header.pixel_width, header.face_count, header.level_count), (16, 6, 5));
+    assert_eq!(
+        reader.levels().map(|level| level.data.len()).collect::<Vec<_>>(),
+        [6 * 256, 6 * 64, 6 * 16, 6 * 16, 6 * 16]
+    );
     assert!(header.index.dfd_byte_length > 0 && reader.basic_dfd().is_some());
     let keys: Vec<_> = reader.key_value_data().map(|(key, _)| key.to_owned()).collect();
     assert_eq!(keys, ["KTXorientation", "KTXwriter"]);
@@ -207,6 +210,25 @@ fn ktx_files_hold_six_faces_with_their_levels() {
                 let near = |c: usize| (found[c].to_f32() - expected[c]).abs() < 0.03 * expected[c] + 0.02;
                 assert!((0..3).all(near), "{f} {x} {y}: {found:?} {expected:?}");
             }
+        }
+    }
+    // Levels are halved to the last pixel whatever the size, and each has the mean of the whole.
+    for (size, levels) in [(4usize, 3), (12, 4), (20, 5), (36, 6)] {
+        let pixel = |i: usize| [1.0 + (i % size) as f32, 1.0 + (i / size) as f32, 3.0, 1.0];
+        let face = Picture { width: size, height: size, pixels: (0..size * size).map(pixel).collect() };
+        write_ktx2(&path, &vec![face; 6]).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let reader = ktx2::Reader::new(&bytes).unwrap();
+        let blocks = |level: usize| (size >> level).div_ceil(4).pow(2) * 16 * 6;
+        let lengths: Vec<_> = reader.levels().map(|level| level.data.len()).collect();
+        assert_eq!(lengths, (0..levels).map(blocks).collect::<Vec<_>>());
+        let last = reader.levels().last().unwrap();
+        let mut pixels = [half::f16::ZERO; 48];
+        block_compression::decode::decode_block_bc6h(&last.data[..16], &mut pixels, 12, false);
+        let mean = 0.5 * (1.0 + size as f32);
+        for (c, expected) in [mean, mean, 3.0].into_iter().enumerate() {
+            let found = pixels[c].to_f32();
+            assert!((found / expected - 1.0).abs() < 0.02, "{size} {c}: {found} {expected}");
         }
     }
     let odd = Picture { width: 6, height: 6, pixels: vec![[0.0; 4]; 36] };

@@ -85,6 +85,91 @@ fn mistyped_preset_is_answered_with_the_nearest_and_all_others() {
     assert!(answer.contains("'congestus'") && answer.contains("humilis"), "{answer}");
 }
 
+/// Names of files and of cameras may hold what parts them.
+#[test]
+fn cameras_are_found_whose_names_hold_a_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_folder(&folder, "scene.json");
+    fs::write(&scene, SMALL).unwrap();
+    let file = in_folder(&folder, "take #3.gltf");
+    let node = |name: &str, fov: f64| {
+        (
+            serde_json::json!({"name": name, "camera": fov as u32}),
+            serde_json::json!({"type": "perspective", "perspective": {"yfov": 0.1 + fov, "znear": 0.1}}),
+        )
+    };
+    let (nodes, cameras): (Vec<_>, Vec<_>) =
+        [node("A", 0.0), node("#2", 1.0), node("C #1 # end", 2.0)].into_iter().unzip();
+    let document = serde_json::json!({"asset": {"version": "2.0"}, "nodes": nodes, "cameras": cameras});
+    fs::write(&file, document.to_string()).unwrap();
+    let draw = |camera: &str| {
+        let picture = in_folder(&folder, "a.png");
+        let words = ["render", &scene, "-o", &picture, "--width", "4", "--height", "4", "--quality", "draft"];
+        nephos(&[&words[..], &["--camera", camera]].concat()).assert()
+    };
+    for name in ["", "#A", "##2", "#C #1 # end"] {
+        draw(&format!("{file}{name}")).success();
+    }
+    let refused = draw(&format!("{file}#2")).failure();
+    let told = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(told.contains("no camera `2`") && told.contains("`#2`"), "{told}");
+}
+
+/// Each option says what it takes, in its own words.
+#[test]
+fn numbers_that_are_none_are_told_by_the_option() {
+    for (words, part) in [
+        ("new --preset kol --seed -3", "whole number from 0"),
+        ("new --preset kol --seed 1.5", "whole number from 0"),
+        ("new --preset kol --seed 1 --seed 2", "cannot be used multiple times"),
+        ("new --preset kol --force", "--output"),
+        ("render a.json -o a.png --time nan", "a number from"),
+        ("render a.json -o a.png --time 1e300", "a number from"),
+        ("render a.json -o a.png --width -5", "-5 is not in 1..=8192"),
+        ("render a.json -o a.png --transport path --noise 5", "a share above 0"),
+        ("render a.json -o a.png --transport path --noise nan", "a share above 0"),
+        ("render a.json -o a.png --transport path --seconds inf", "a number above 0"),
+        ("render a.json -o a.png --exposure nan", "from -20 to 20"),
+        ("sequence a.json -o a.##.png --fps -24", "24000/1001"),
+        ("export camera a.json -o a.glb --aspect 1e300", "a number above 0"),
+        ("export shadow a.json -o a.exr --altitude inf", "a number from"),
+        ("export shadow a.json -o a.exr --center 1,1e300", "2 numbers"),
+        ("export flipbook a.json -o a.png --travel nan", "from 0 to"),
+        ("export volume a.json -o a.vdb --resolution -1", "-1 is not in"),
+        ("fill a.obj -o a.json --at 0,nan,0", "3 numbers"),
+        ("fill a.obj -o a.json --seed -1", "whole number from 0"),
+        ("bench reference --noise nan", "a share above 0"),
+        ("bench reference --seconds -1", "a number above 0"),
+    ] {
+        let words: Vec<_> = words.split_whitespace().collect();
+        let answer = complaint(&words, 2);
+        assert!(answer.contains(part), "{words:?}: {answer}");
+    }
+}
+
+/// No word is taken that means nothing for the job.
+#[test]
+fn words_without_effect_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = in_folder(&folder, "scene.json");
+    fs::write(&scene, SMALL).unwrap();
+    for (words, part) in [
+        ("render SCENE -o a.png --spp 8", "--spp 8 is for --transport path"),
+        ("render SCENE -o a.png --noise 0.1", "--noise 0.1 is for --transport path"),
+        ("sequence SCENE -o a.##.png --frames 1 --seconds 3", "--seconds 3 is for --transport path"),
+        ("sequence SCENE -o a.mp4 --frames 1 --spp 8", "--spp 8 is for --transport path"),
+        ("sequence SCENE -o a.##.png --frames 1 --from b.##.png", "--from is for movies"),
+        ("export sixway SCENE -o a.png --turns 2", "--turns is for several frames"),
+        ("export sixway SCENE -o a.png --travel 0", "--travel is for several frames"),
+        ("export flipbook SCENE -o a.png --frames 2 --columns 3", "--columns 3 is more than the 2 frames"),
+    ] {
+        let words: Vec<_> =
+            words.split_whitespace().map(|word| if word == "SCENE" { &scene } else { word }).collect();
+        let answer = complaint(&words, 1);
+        assert!(answer.contains(part), "{words:?}: {answer}");
+    }
+}
+
 #[test]
 fn schema_is_written_whole() {
     let text = told(&["schema"]);

@@ -82,6 +82,38 @@ fn each_kind_is_written() {
     assert_eq!((size("book.png"), size("card.png"), size("sky.hdr")), ((32, 16), (32, 32), (16, 8)));
 }
 
+/// Filters take colours of their neighbours from under alpha 0: they are those of the nearest cloud.
+#[test]
+fn what_stands_under_alpha_0_is_the_nearest_cloud() {
+    let desk = Desk::new();
+    desk.told("render scene.json -o still.png --width 48 --height 27 --quality draft --transparent");
+    desk.told("export flipbook scene.json -o book.png --frames 2 --tile 24");
+    desk.told("export sixway scene.json -o six.png --tile 24");
+    desk.told("export impostor scene.json -o card.png --views 2 --tile 24");
+    let read = |name: &str| image::open(desk.path(name)).unwrap().to_rgba8();
+    let opacity = read("six_positive.png");
+    for name in
+        ["still.png", "book.png", "six_positive.png", "six_negative.png", "card.png", "card_normal.png"]
+    {
+        let picture = read(name);
+        let alpha = |x, y| {
+            if name.starts_with("six") { opacity.get_pixel(x, y)[3] } else { picture.get_pixel(x, y)[3] }
+        };
+        let seen: Vec<_> = picture.enumerate_pixels().filter(|&(x, y, _)| alpha(x, y) > 0).collect();
+        let mut hidden = 0;
+        for (x, y, own) in picture.enumerate_pixels().filter(|&(x, y, _)| alpha(x, y) == 0) {
+            let distance = |(i, j): (u32, u32)| i.abs_diff(x).pow(2) + j.abs_diff(y).pow(2);
+            let least = seen.iter().map(|&(i, j, _)| distance((i, j))).min().unwrap();
+            let near = seen
+                .iter()
+                .filter(|&&(i, j, _)| f64::from(distance((i, j))).sqrt() < f64::from(least).sqrt() + 0.5);
+            assert!(near.clone().any(|(.., cloud)| cloud.0[..3] == own.0[..3]), "{name} {x} {y}: {own:?}");
+            hidden += 1;
+        }
+        assert!(hidden > 100, "{name}");
+    }
+}
+
 #[test]
 fn a_picture_by_the_exported_camera_is_the_scenes_own() {
     let desk = Desk::new();
@@ -114,7 +146,7 @@ fn a_filled_mesh_is_a_scene() {
     assert!(!told.contains("below the ground"), "{told}");
     let told = desk.told("fill box.obj -o low.json --count 2 --points 8");
     assert!(told.contains("below the ground") && told.contains("--at"), "{told}");
-    assert!(desk.complaint("fill open.obj -o open.json").contains("must be closed"));
+    assert!(desk.complaint("fill open.obj -o open.json").contains("mesh is open"));
 }
 
 #[test]

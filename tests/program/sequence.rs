@@ -302,6 +302,16 @@ fn probed(movie: &Path) -> (u64, u64, String, String, String) {
     (number("width"), number("height"), text("nb_read_frames"), text("r_frame_rate"), text("codec_name"))
 }
 
+/// What a movie says of its colours: range, matrix, curve and primaries.
+fn tags(movie: &Path) -> Vec<String> {
+    let entries = "stream=color_range,color_space,color_transfer,color_primaries";
+    let words = ["-v", "error", "-select_streams", "v", "-show_entries", entries, "-of", "json"];
+    let output = Command::new("ffprobe").args(words).arg(movie).output().unwrap();
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let tag = |name: &str| found["streams"][0][name].as_str().unwrap_or_default().to_owned();
+    ["color_range", "color_space", "color_transfer", "color_primaries"].map(tag).into()
+}
+
 fn mean_colour(picture: &Path) -> [f64; 3] {
     let pixels = image::open(picture).unwrap().into_rgb8();
     let count = f64::from(pixels.width() * pixels.height());
@@ -321,6 +331,7 @@ fn movies_hold_every_frame_in_the_colours_of_the_pictures() {
         // Players want even sizes.
         let expected = (34, 18, "12".to_owned(), "12/1".to_owned(), codec.to_owned());
         assert_eq!(probed(&place.path(movie)), expected);
+        assert_eq!(tags(&place.path(movie)), ["tv", "bt709", "bt709", "bt709"], "{movie}");
         let out = place.path("back.png");
         let words = ["-v", "error", "-y", "-i", movie, "-frames:v", "1", "-vf", "crop=33:18:0:0", "back.png"];
         let done = Command::new("ffmpeg").args(words).current_dir(place.0.path()).status().unwrap();
@@ -452,4 +463,14 @@ fn a_failing_ffmpeg_is_quoted_and_leaves_no_half_movie() {
     let text = String::from_utf8(output.stderr).unwrap();
     assert!(!output.status.success() && text.contains("Unknown encoder libx264"), "{text}");
     assert!(!place.path("m.mp4").exists());
+}
+
+#[test]
+fn names_and_numbers_of_frames_are_those_of_other_programs() {
+    let place = Place::of(&looping());
+    place.report("out/a.%03d.png", "--frames -1-1");
+    place.report("out/b_$F2.png", "--frames -12 --fps 24000/1000");
+    for name in ["a.-01.png", "a.000.png", "a.001.png", "b_-12.png"] {
+        assert!(place.path("out").join(name).exists(), "{name}");
+    }
 }

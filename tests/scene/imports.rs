@@ -188,6 +188,53 @@ fn more_ellipsoids_fill_better_and_overlap_most_of_the_mesh() {
     assert!(fill(&Inside::new(&flat, 20), 4, 1).unwrap_err().to_string().contains("encloses nothing"));
 }
 
+/// Quads between the points of a net, as two triangles each.
+fn net(size: [u32; 2], at: impl Fn(u32, u32) -> DVec3) -> Mesh {
+    let [columns, rows] = size;
+    let corners = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
+    let number = |column: u32, row: u32| row * (columns + 1) + column;
+    let quads = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let triangles = quads.flat_map(|(column, row)| {
+        let [a, b] = [number(column, row), number(column + 1, row)];
+        let [c, d] = [number(column + 1, row + 1), number(column, row + 1)];
+        [[a, c, b], [a, d, c]]
+    });
+    Mesh { triangles: triangles.collect(), positions: corners.map(|(column, row)| at(column, row)).collect() }
+}
+
+#[test]
+fn sheets_are_refused_as_open_and_holes_are_told() {
+    let hill = |x: u32, z: u32| {
+        let (x, z) = (f64::from(x) * 10.0, f64::from(z) * 10.0);
+        DVec3::new(x, 12.0 * (0.1 * x).sin() * (0.13 * z).cos() + 0.3 * x, z)
+    };
+    let slope =
+        |x: u32, z: u32| DVec3::new(f64::from(x), f64::from(z) - 0.4 * f64::from(x), f64::from(z)) * 50.0;
+    let without = |faces: &[usize]| {
+        let mut mesh = cube();
+        mesh.triangles = (0..12).filter(|i| !faces.contains(&(i / 2))).map(|i| mesh.triangles[i]).collect();
+        mesh
+    };
+    for (name, mesh) in
+        [("hills", net([20, 20], hill)), ("slope", net([1, 1], slope)), ("corner", without(&[0, 2, 4]))]
+    {
+        let error = fill(&Inside::new(&mesh, 40), 4, 1).unwrap_err().to_string();
+        assert!(error.contains("open"), "{name}: {error}");
+    }
+    let mut turned = cube();
+    turned.triangles[3].swap(0, 1);
+    let mut bowl = ball(DVec3::ZERO, DVec3::new(100.0, 60.0, 80.0));
+    bowl.triangles.truncate(bowl.triangles.len() / 2);
+    for (name, mesh) in [("no lid", without(&[3])), ("turned", turned), ("bowl", bowl)] {
+        let inside = Inside::new(&mesh, 40);
+        assert!(inside.openness > 0.05 && inside.openness < 0.75, "{name}: {}", inside.openness);
+        let filled = fill(&inside, 12, 1).unwrap();
+        assert!(filled.overlap > 0.75, "{name}: {}", filled.overlap);
+    }
+    assert_eq!(Inside::new(&cube(), 40).openness, 0.0);
+    assert_eq!(Inside::new(&ball(DVec3::ZERO, DVec3::new(100.0, 60.0, 80.0)), 40).openness, 0.0);
+}
+
 #[test]
 fn meshes_are_read_from_obj_and_gltf() {
     let folder = tempfile::tempdir().unwrap();
@@ -223,6 +270,87 @@ fn meshes_are_read_from_obj_and_gltf() {
         fs::write(&path, text).unwrap();
         assert!(read_mesh(&path).unwrap_err().to_string().contains(name), "{name}");
     }
+}
+
+const BOX: &str = "v 0 0 0
+v 2 0 0
+v 2 3 0
+v 0 3 0
+v 0 0 5
+v 2 0 5
+v 2 3 5
+v 0 3 5
+f 1 4 3 2
+f 5 6 7 8
+f 1 2 6 5
+f 4 8 7 3
+f 1 5 8 4
+f 2 3 7 6
+";
+
+/// Names, materials, coordinates of textures and the way that a file is written say nothing about shape.
+#[test]
+fn what_says_nothing_about_the_shape_keeps_no_obj_from_being_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("box.obj");
+    let read = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        let mesh = read_mesh(&path).unwrap();
+        let volume: f64 = mesh.corners().map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+        assert!(
+            (volume - 30.0).abs() < 1e-9 && mesh.triangles.len() == 12,
+            "{}",
+            String::from_utf8_lossy(bytes)
+        );
+    };
+    let before = |head: &str| format!("{head}\n{BOX}");
+    for text in [
+        before("mtllib\nusemtl\no\ng\ns"),
+        before("usemtl a b c # d\nmtllib x.mtl y.mtl\ns off\ns -1\nlod 3"),
+        before("vt\nvt 0.5\nvt 1 2 3 4\nvn 1\nvn a b c\nvp 0.3\ncstype bezier\nend"),
+        before("l 1 2\np 9\nf 1 2\nl 1/1 77/5"),
+        before("call other.obj\ncsh echo\n\"quoted\"\n\0"),
+        BOX.replace("v 2 3 5", "v 2 3 5 1.0 0.2 0.3 # corner"),
+        BOX.replace("v 2 3 5", "  v\t2   3\t5e0"),
+        BOX.replace("v 2 3 5", "v 2 \\\n3 \\\r\n 5"),
+        BOX.replace("f 1 2 6 5", "f 1/1/1 2//3 6/900 5/"),
+        BOX.replace("f 2 3 7 6", "f -7 -6 -2 -3"),
+        BOX.replace('\n', "\r\n"),
+        BOX.replace('\n', "\r"),
+        BOX.trim_end().to_owned(),
+        // Faces before their corners, and a corner that no face has.
+        BOX.lines().rev().filter(|line| line.starts_with('f')).collect::<Vec<_>>().join("\n")
+            + "\n"
+            + &BOX.replace('f', "#")
+            + "v nan 1 2",
+    ] {
+        read(text.as_bytes());
+    }
+    read(&[b"\xef\xbb\xbf", BOX.as_bytes()].concat());
+    read(&[b"o H\xf6henwolke\n# \x93quoted\x94\ng \xff\xfe\n", BOX.as_bytes()].concat());
+}
+
+#[test]
+fn lines_of_an_obj_that_cannot_be_read_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("box.obj");
+    for (right, wrong, line, word) in [
+        ("v 2 3 5", "v 2 3", 7, "three numbers"),
+        ("v 2 3 5", "v 2,0 3,0 5,0", 7, "three numbers"),
+        ("f 1 2 6 5", "f 1 2 six 5", 11, "`six`"),
+        ("f 1 2 6 5", "f 1 2 9 5", 11, "`9`"),
+        ("f 1 2 6 5", "f 1 2 0 5", 11, "`0`"),
+        ("f 1 2 6 5", "f 1 2 -9 5", 11, "`-9`"),
+        ("f 1 2 6 5", "f 1 2 99999999999999999999 5", 11, "`99999999999999999999`"),
+    ] {
+        fs::write(&path, BOX.replace(right, wrong)).unwrap();
+        let error = read_mesh(&path).unwrap_err().to_string();
+        assert!(error.contains(&format!("line {line}")) && error.contains(word), "{wrong}: {error}");
+    }
+    let wide: Vec<u8> = "\u{feff}v 0 0 0".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    fs::write(&path, wide).unwrap();
+    let error = read_mesh(&path).unwrap_err().to_string();
+    assert!(error.contains("UTF-16"), "{error}");
 }
 
 /// What the reader of glTF files trusts, and no file need keep to.

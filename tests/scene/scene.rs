@@ -160,7 +160,7 @@ const BAD: &[(&str, &str, &str)] = &[
         "unknown field `radius`; did you mean `radii`? Known: name, center, radii",
     ),
     (r#"{"cloud":[]}"#, "cloud", "did you mean `clouds`?"),
-    (r#"{"xyzzy":1}"#, "xyzzy", "unknown field `xyzzy`. Known: format, name"),
+    (r#"{"xyzzy":1}"#, "xyzzy", "unknown field `xyzzy`. Known: $schema, format, name"),
     (
         r#"{"clouds":[{"ellipsoids":[{"center":[0,1,2]}]}]}"#,
         "clouds[0].ellipsoids[0]",
@@ -195,6 +195,21 @@ const BAD: &[(&str, &str, &str)] = &[
     (r#"{"exposure":21}"#, "exposure", "21 is out of range: expected -20 to 20 stops"),
     (r#"{"time":1e99}"#, "time", "1e99 is out of range"),
     (r#"{"noise":{"seed":-1}}"#, "noise.seed", "expected a whole number from 0 to 4294967295"),
+    (r#"{"noise":{"seed":4.5}}"#, "noise.seed", "found floating point `4.5`, expected a whole number"),
+    (r#"{"noise":{"seed":4294967296.0}}"#, "noise.seed", "expected a whole number from 0 to 4294967295"),
+    (r#"{"noise":{"seed":4294967296}}"#, "noise.seed", "expected a whole number from 0 to 4294967295"),
+    (
+        r#"{"noise":{"renewed":{"round":1e10}}}"#,
+        "noise.renewed.round",
+        "expected a whole number from 0 to 429",
+    ),
+    (
+        r#"{"clouds":[{"growth":{"kind":"humilis","seed":-1.0}}]}"#,
+        "clouds[0].growth.seed",
+        "expected a whole number",
+    ),
+    (r#"{"$schema":7}"#, "$schema", "found integer `7`, expected a string"),
+    (r#"{"format":1.5}"#, "format", "format 1.5, but this program reads format 1"),
     (r#"{"noise":{"dimension":3}}"#, "noise.dimension", "3 is out of range: expected 2 to 2.9"),
     (r#"{"noise":{"scale":0}}"#, "noise.scale", "0 is out of range: expected 0.1 to 100000 metres"),
     (
@@ -345,6 +360,74 @@ fn too_many_clouds_and_ellipsoids_are_refused() {
 }
 
 // --- Schema --------------------------------------------------------------------------
+
+/// Godot, Lua and Houdini write whole numbers so.
+#[test]
+fn whole_numbers_with_a_point_are_whole() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    for (text, seed) in [("4.0", 4), ("4e0", 4), ("1.2E3", 1200), ("-0.0", 0), ("4294967295.0", u32::MAX)] {
+        let text = format!(
+            r#"{{"format":1.0,"noise":{{"seed":{text},"renewed":{{"round":{text}}}}},
+               "clouds":[{{"noise":{{"seed":{text}}}}},{{"growth":{{"kind":"fractus","seed":{text}}}}}]}}"#
+        );
+        let scene = Scene::from_json(&text).unwrap();
+        let seeds =
+            [scene.noise.seed, scene.noise.renewed.round, scene.clouds[0].noise.clone().unwrap().seed];
+        assert_eq!((seeds, scene.clouds[1].growth.clone().unwrap().seed), ([seed; 3], seed), "{text}");
+        assert!(validator.is_valid(&serde_json::from_str(&text).unwrap()), "{text}");
+    }
+}
+
+#[test]
+fn a_file_may_name_its_schema_and_keeps_that() {
+    let text = r#"{"$schema": "./scene.schema.json", "clouds": []}"#;
+    let written = Scene::from_json(text).unwrap().to_json();
+    assert!(written.starts_with("{\n  \"$schema\": \"./scene.schema.json\",\n"), "{written}");
+    assert!(!Scene::default().to_json().contains("$schema"));
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    assert!(validator.is_valid(&serde_json::from_str(text).unwrap()));
+}
+
+#[test]
+fn words_of_other_languages_are_told() {
+    for (text, word) in [
+        (r#"{"time": NaN}"#, "NaN"),
+        (r#"{"time": -Infinity}"#, "Infinity"),
+        (r#"{"time": nan}"#, "NaN"),
+        (r#"{"time": -nan(ind)}"#, "NaN"),
+        (r#"{"wind": {"velocity": [0, inf, 0]}}"#, "Infinity"),
+        ("// mine\n{}", "comments"),
+        ("{} // mine", "comments"),
+        ("{\"time\": 3, /* s */ \"name\": \"\"}", "comments"),
+        ("{\n# mine\n\"time\": 3}", "comments"),
+        ("{\"time\": /* ä */ 3}", "comments"),
+        (r#"{"auto_exposure": True}"#, "small letters"),
+        (r#"{"camera": None}"#, "small letters"),
+        (r#"{"time": 3 4}"#, "expected `,` or `}`"),
+        (r#"{"time": }"#, "expected value"),
+        ("", "EOF"),
+    ] {
+        let error = Scene::from_json(text).unwrap_err().to_string();
+        assert!(error.contains("is no JSON") && error.contains(word), "{text}: {error}");
+    }
+}
+
+#[test]
+fn encodings_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.json");
+    let wide = |bytes: fn(u16) -> [u8; 2]| "\u{feff}{}\n".encode_utf16().flat_map(bytes).collect::<Vec<u8>>();
+    let latin = b"{\n\"name\": \"H\xf6he\"}".to_vec();
+    for (bytes, word) in [
+        (wide(u16::to_le_bytes), "UTF-16"),
+        (wide(u16::to_be_bytes), "UTF-16"),
+        (latin, "line 2 that is no UTF-8 (0xf6)"),
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let error = Scene::load(&path).unwrap_err().to_string();
+        assert!(error.contains(word) && error.contains("save it as UTF-8"), "{error}");
+    }
+}
 
 #[test]
 fn schema_accepts_what_the_program_writes() {

@@ -168,6 +168,20 @@ fn spheres() -> Vec<Twin> {
             let h = random.log(0.1, 1e7);
             scalars([h, (horizon_mu(h) - random.log(1e-6, 1.0)).max(-1.0)])
         }),
+        Twin::new("ground_ahead", "air", "return vec4f(ground_ahead(earth, x[0].x, x[0].y));", |x| {
+            let h = x[0][0].max(0.0);
+            let (across, square) = ((GROUND + h) * x[0][1], horizon_square(h));
+            let hidden = x[0][1] < horizon_mu(h);
+            one(if hidden { square / ((across * across - square).max(0.0).sqrt() - across) } else { 1e29 })
+        })
+        .over("all", |random| {
+            // Below the ground, on both sides of the horizon; at the horizon itself all digits are lost.
+            let h = if random.between(0.0, 1.0) < 0.2 { -random.log(0.1, 1e4) } else { random.log(0.1, 1e7) };
+            let from_horizon = random.log(1e-4, 1.0);
+            let above = random.between(0.0, 1.0) < 0.3;
+            let mu = horizon_mu(h.max(0.0)) + if above { from_horizon } else { -from_horizon };
+            scalars([h, mu.clamp(-1.0, 1.0)])
+        }),
         Twin::new(
             "air_ray_at",
             "air",

@@ -105,7 +105,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sun_maps", "collect_hits"),
             ("medium", "medium_begin medium_ahead find_near farthest_near listed"),
             ("slab_maps", "absorbed_source"),
-            ("path", "sample_of start finish start_or_done collide choose_direction roulette near_sun advance"),
+            ("path", "sample_of start finish start_or_done collide choose_direction roulette near_sun is_hidden advance"),
             ("path_medium", "scattered track"),
             ("path_state", "draw next_seed loaded store"),
             ("path_walk", "walk end_walk"),

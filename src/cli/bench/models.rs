@@ -13,7 +13,7 @@ use super::{super::open, chosen, march, named};
 use crate::{
     Error, Result,
     cli::terminal,
-    files::write_whole,
+    files::{check_place, write_whole},
     gpu::Gpu,
     measure::{self, Cost, Entry, Known, Reference, Report, Set, Stopwatch, Way},
     render::{Quality, Transport},
@@ -79,6 +79,7 @@ impl BenchModels {
     /// Where the arguments, the adapter or a file are not good.
     pub fn run(self) -> Result<()> {
         let ways = self.ways()?;
+        self.output.iter().try_for_each(|page| check_place(page))?;
         let (measured, left_out) = self.references()?;
         let gpu = open(self.adapter.as_deref())?;
         let mut report = self.report(&gpu, &measured, left_out);

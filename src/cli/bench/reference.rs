@@ -7,7 +7,10 @@ use clap::Args;
 use super::{super::open, chosen};
 use crate::{
     Error, Result,
-    cli::terminal,
+    cli::{
+        numbers::{above_zero, share},
+        terminal,
+    },
     gpu::Gpu,
     measure::{Entry, Limits, Reference, SEED},
 };
@@ -20,13 +23,13 @@ pub struct MakeReferences {
     #[arg(long, value_name = "NAME")]
     filter: Option<String>,
     /// Relative noise at which a picture is done.
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, value_parser = share)]
     noise: f64,
     /// Most samples of each pixel.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(3..=10_000_000))]
     samples: u32,
     /// Most seconds for each picture.
-    #[arg(long, default_value_t = 3600.0)]
+    #[arg(long, default_value_t = 3600.0, value_parser = above_zero)]
     seconds: f64,
     /// Make those again from the beginning that are there.
     #[arg(long)]
@@ -46,9 +49,7 @@ impl MakeReferences {
     /// Where the arguments, the adapter or a file are not good.
     pub fn run(self) -> Result<()> {
         let entries = chosen(self.filter.as_deref())?;
-        let time = Duration::try_from_secs_f64(self.seconds).map_err(|_| {
-            Error::Argument(format!("--seconds {} is no time: expected a number of seconds", self.seconds))
-        })?;
+        let time = Duration::from_secs_f64(self.seconds);
         let limits = Limits { noise: self.noise, samples: self.samples, time };
         fs::create_dir_all(&self.folder).map_err(|source| Error::File {
             action: "create",

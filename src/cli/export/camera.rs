@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{above_zero, ending};
+use super::{
+    super::numbers::{above_zero, number},
+    ending,
+};
 use crate::{Result, export::write_camera, scene::Scene};
 
 /// Write the scene's camera as glTF, which Blender, Houdini, Unreal, Unity and Godot import.
@@ -15,7 +18,7 @@ pub struct Camera {
     /// Scene file; `-` reads the standard input.
     scene: PathBuf,
     /// The moment to take, seconds since the scene's start; the scene's own `time` where left out.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number)]
     time: Option<f64>,
     /// Camera to write: .glb or .gltf.
     #[arg(short, long, value_name = "FILE")]

@@ -31,8 +31,12 @@ pub struct Flipbook {
 
 impl Flipbook {
     pub(super) fn run(self) -> Result<()> {
+        self.course.check(self.frames)?;
         let columns = self.course.columns(self.frames);
-        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)])?;
+        let output = self.sprite.output.clone();
+        let files =
+            if self.course.turns == 0 { vec![output] } else { vec![output, self.sprite.named("motion")] };
+        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)], &files)?;
         let to_eye = stage.subject.to_camera();
         let course = self.course.course(&stage.scene);
         let turn = course.turn(self.frames);

@@ -42,7 +42,8 @@ enum From {
 
 impl Impostor {
     pub(super) fn run(self) -> Result<()> {
-        let mut stage = self.sprite.stage([self.views; 2])?;
+        let files = [self.sprite.output.clone(), self.sprite.named("normal"), self.sprite.named("depth")];
+        let mut stage = self.sprite.stage([self.views; 2], &files)?;
         let around = match self.from {
             From::Sphere => Around::Sphere,
             From::Above => Around::Above,

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::{open, picture::above_zero, terminal};
+use super::{numbers::number, open, terminal};
 use crate::{Error, Result, gpu::Gpu, scene::Scene};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.
@@ -58,7 +58,7 @@ struct Source {
     /// Scene file; `-` reads the standard input.
     scene: PathBuf,
     /// The moment to take, seconds since the scene's start; the scene's own `time` where left out.
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = number)]
     time: Option<f64>,
     /// Part of the name of the adapter to use; `nephos info` lists them.
     #[arg(long, value_name = "NAME")]

@@ -6,12 +6,16 @@ use clap::Args;
 use glam::DVec3;
 
 use super::{
-    super::{numbers, terminal},
-    Source, above_zero, ending,
+    super::{
+        numbers::{above_zero, number, numbers},
+        terminal,
+    },
+    Source, ending,
 };
 use crate::{
     Result,
     export::{Studio, write_grey, write_named},
+    files::check_place,
 };
 
 /// Write how much sunlight the clouds let through to a horizontal square, from 0 to 1.
@@ -37,13 +41,14 @@ pub struct Shadow {
     #[arg(long, value_name = "X,Z", value_parser = numbers::<2>, allow_hyphen_values = true)]
     center: Option<[f64; 2]>,
     /// Height of the square; left out, that of the ground.
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    #[arg(long, value_name = "METRES", value_parser = number)]
     altitude: Option<f64>,
 }
 
 impl Shadow {
     pub(super) fn run(self) -> Result<()> {
         let kind = ending(&self.output, &["exr", "png"])?;
+        check_place(&self.output)?;
         let scene = self.source.scene()?;
         let altitude = self.altitude.unwrap_or(scene.ground.altitude);
         let mut studio = Studio::new(&self.source.gpu()?, 2, false);

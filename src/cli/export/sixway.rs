@@ -3,13 +3,13 @@
 use clap::Args;
 
 use super::{
-    super::terminal,
-    above_zero, shares,
+    super::{numbers::above_zero, terminal},
+    shares,
     sprite::{Frames, Sprite},
 };
 use crate::{
     Result,
-    export::{Picture, atlas},
+    export::{Picture, atlas, bled},
 };
 
 /// Write six-way light maps of a cloud: how it looks in light from right, left, top, bottom, back
@@ -38,8 +38,10 @@ pub struct Sixway {
 impl Sixway {
     pub(super) fn run(self) -> Result<()> {
         self.sprite.tone.refuse_for("a light map")?;
+        self.course.check(self.frames)?;
         let columns = self.course.columns(self.frames);
-        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)])?;
+        let files = ["positive", "negative"].map(|map| self.sprite.named(map));
+        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)], &files)?;
         let to_eye = stage.subject.to_camera();
         let course = self.course.course(&stage.scene);
         let (positive, negative) = shares("rendering", |progress| {
@@ -60,12 +62,14 @@ impl Sixway {
         for map in [&mut positive, &mut negative] {
             map.pixels.iter_mut().for_each(|pixel| (0..3).for_each(|c| pixel[c] *= gain));
         }
+        // Its alpha is no opacity, which the other map has.
+        negative = bled(&negative);
         negative.pixels.iter_mut().for_each(|pixel| pixel[3] = 0.0);
-        stage.write_shares(&self.sprite.named("positive"), &positive)?;
-        stage.write_shares(&self.sprite.named("negative"), &negative)?;
+        stage.write_shares(&files[0], &positive)?;
+        stage.write_shares(&files[1], &negative)?;
         terminal::print(&format!(
             "{}: {} frames in {columns} columns, a tile is {:.1} m wide, gain {gain}\n",
-            self.sprite.named("positive").display(),
+            files[0].display(),
             self.frames,
             stage.subject.extent()
         ))

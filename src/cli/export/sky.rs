@@ -18,6 +18,7 @@ use crate::{
         FACES, Picture, Studio, cube_faces, equirectangular, meter_around, write_beauty, write_hdr,
         write_ktx2, write_png,
     },
+    files::check_place,
     scene::{Scene, Tone},
 };
 
@@ -63,6 +64,7 @@ impl Sky {
         if kind != "png" {
             self.tone.refuse_for(&format!("a .{kind} file"))?;
         }
+        self.files(kind, layout).iter().try_for_each(|file| check_place(file))?;
         let scene = self.source.scene()?;
         let mut studio = Studio::new(&self.source.gpu()?, 2, true);
         let tone = self.exposed(kind, &mut studio, &scene)?;
@@ -78,10 +80,20 @@ impl Sky {
         match layout {
             _ if kind == "ktx2" => write_ktx2(&self.output, &faces),
             Layout::Strip => write(&self.output, kind, &mut studio, tone, &Picture::in_rows(&faces, 6)),
-            _ => FACES.iter().zip(&faces).try_for_each(|((name, ..), face)| {
-                write(&self.output.with_extension(format!("{name}.{kind}")), kind, &mut studio, tone, face)
-            }),
+            _ => self
+                .files(kind, layout)
+                .iter()
+                .zip(&faces)
+                .try_for_each(|(file, face)| write(file, kind, &mut studio, tone, face)),
         }
+    }
+
+    /// What is written: faces have files of their own, but for KTX 2.
+    fn files(&self, kind: &str, layout: Layout) -> Vec<PathBuf> {
+        if layout != Layout::Cubemap || kind == "ktx2" {
+            return vec![self.output.clone()];
+        }
+        FACES.iter().map(|(name, ..)| self.output.with_extension(format!("{name}.{kind}"))).collect()
     }
 
     /// How all faces become pictures for screens: one exposure, by the whole sphere. Tells it.

@@ -5,12 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{
-    super::tone::{ToneOptions, told},
-    Source, above_zero, ending,
+    super::{
+        numbers::{above_zero, at_least_zero},
+        tone::{ToneOptions, told},
+    },
+    Source, ending,
 };
 use crate::{
     Error, Result,
-    export::{Course, Picture, Studio, Subject, atlas, write_beauty, write_png},
+    export::{Course, Picture, Studio, Subject, atlas, bled, write_beauty, write_png},
+    files::check_place,
     render::{Film, metered_alone},
     scene::Scene,
 };
@@ -45,16 +49,11 @@ pub(super) struct Frames {
     travel: Option<f64>,
     /// How often the cloud turns about the vertical, in light that stands still.
     #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(-64..=64))]
-    turns: i32,
+    pub turns: i32,
     /// Seconds of the scene that go by: its wind carries the cloud through the noise. Frames don't close to a
     /// loop then, and the noise goes round no circle.
     #[arg(long, value_name = "S", value_parser = above_zero, conflicts_with = "travel")]
     seconds: Option<f64>,
-}
-
-fn at_least_zero(text: &str) -> std::result::Result<f64, String> {
-    let known = text.parse().ok().filter(|value: &f64| *value >= 0.0 && value.is_finite());
-    known.ok_or_else(|| "give 0 or a number above it".to_owned())
 }
 
 /// A sprite's scene, subject and studio.
@@ -67,8 +66,8 @@ pub(super) struct Stage {
 }
 
 impl Sprite {
-    /// Opens all that is needed for an atlas of `columns` by `rows` tiles.
-    pub fn stage(&self, [columns, rows]: [u32; 2]) -> Result<Stage> {
+    /// Opens all that is needed for an atlas of `columns` by `rows` tiles, to be written into `files`.
+    pub fn stage(&self, [columns, rows]: [u32; 2], files: &[PathBuf]) -> Result<Stage> {
         let kind = ending(&self.output, &["png", "exr"])?;
         if kind == "exr" {
             self.tone.refuse_for("EXR")?;
@@ -82,6 +81,7 @@ impl Sprite {
                 Film::WIDEST
             )));
         }
+        files.iter().try_for_each(|file| check_place(file))?;
         let scene = self.source.scene()?;
         let subject = Subject::new(&scene, self.cloud.as_deref())?;
         let studio = Studio::new(&self.source.gpu()?, 2, false);
@@ -90,15 +90,38 @@ impl Sprite {
 
     /// The output's name with `map` behind it.
     pub fn named(&self, map: &str) -> PathBuf {
-        let stem = self.output.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-        let ending = self.output.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        self.output.with_file_name(format!("{stem}_{map}.{ending}"))
+        let mut name = self.output.file_stem().unwrap_or_default().to_owned();
+        name.push(format!("_{map}"));
+        if let Some(ending) = self.output.extension() {
+            name.push(".");
+            name.push(ending);
+        }
+        self.output.with_file_name(name)
     }
 }
 
 impl Frames {
+    /// No word may be without effect for so many frames.
+    pub fn check(&self, frames: u32) -> Result<()> {
+        let given = [
+            ("--travel", self.travel.is_some()),
+            ("--turns", self.turns != 0),
+            ("--seconds", self.seconds.is_some()),
+        ];
+        let problem = match (given.into_iter().find(|(_, given)| *given), self.columns) {
+            (Some((word, _)), _) if frames == 1 => {
+                format!("{word} is for several frames: give --frames 2 or more, or leave it out")
+            }
+            (_, Some(columns)) if columns > frames => {
+                format!("--columns {columns} is more than the {frames} frames: give {frames} at most")
+            }
+            _ => return Ok(()),
+        };
+        Err(Error::Argument(problem))
+    }
+
     pub fn columns(&self, frames: u32) -> u32 {
-        self.columns.unwrap_or_else(|| atlas::columns(frames)).min(frames)
+        self.columns.unwrap_or_else(|| atlas::columns(frames))
     }
 
     pub fn course(&self, scene: &Scene) -> Course {
@@ -122,11 +145,13 @@ impl Stage {
         Ok(metered.map_or_else(String::new, |metered| format!(", {}", told(metered))))
     }
 
-    /// Writes shares from 0 to 1, as they are in both kinds of files.
+    /// Writes shares from 0 to 1, as they are in both kinds of files, and those of the nearest pixels that are
+    /// seen where none is.
     pub fn write_shares(&self, path: &Path, picture: &Picture) -> Result<()> {
+        let picture = bled(picture);
         match self.kind {
-            "exr" => write_beauty(path, picture),
-            _ => write_png(path, size(picture), &atlas::bytes(picture), true),
+            "exr" => write_beauty(path, &picture),
+            _ => write_png(path, size(&picture), &atlas::bytes(&picture), true),
         }
     }
 }

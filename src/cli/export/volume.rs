@@ -4,10 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{super::terminal, Source, ending, shares};
+use super::{
+    super::{numbers::above_zero, terminal},
+    Source, ending, shares,
+};
 use crate::{
     Result,
     export::{write_vdb, write_vol},
+    files::check_place,
     render::{Frame, VoxelGrid, Voxels},
 };
 
@@ -25,7 +29,7 @@ pub struct Volume {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Edge of a voxel, metres.
-    #[arg(long, value_name = "METRES", value_parser = super::above_zero, conflicts_with = "resolution")]
+    #[arg(long, value_name = "METRES", value_parser = above_zero, conflicts_with = "resolution")]
     voxel: Option<f64>,
     /// Voxels along the longest edge of the box around all clouds.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=16384))]
@@ -52,6 +56,7 @@ impl Volume {
             "vdb" => write_vdb,
             _ => write_vol,
         };
+        check_place(&self.output)?;
         let frame = Frame::new(&self.source.scene()?, [1, 1])?;
         let voxel = self.voxel.map_or_else(|| VoxelGrid::voxel_of(&frame, self.resolution), Ok)?;
         let grid = VoxelGrid { samples: self.samples, ..VoxelGrid::new(voxel) };

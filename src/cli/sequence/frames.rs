@@ -1,6 +1,9 @@
 //! Which frames, whose, and into which files.
 
+#[cfg(unix)]
+use std::ffi::OsStr;
 use std::{
+    ffi::OsString,
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -9,14 +12,18 @@ use crate::{Error, Result};
 
 /// Most frames of one sequence: more than a day at 60 frames a second.
 const MOST: usize = 10_000_000;
+/// Most digits that a name may ask for by a number of its own.
+const MOST_DIGITS: usize = 32;
+/// Most frames a second.
+const FASTEST: f64 = 1e6;
 
 /// Frames by number: ranges and single ones, `1-240:2,300`, as the Open Job Description has them.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Frames(Vec<u32>);
+pub struct Frames(Vec<i32>);
 
 impl Frames {
     /// The numbers, in the order that they were given in, each once.
-    pub fn numbers(&self) -> Vec<u32> {
+    pub fn numbers(&self) -> Vec<i32> {
         self.0.clone()
     }
 }
@@ -27,12 +34,13 @@ impl FromStr for Frames {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let mut numbers = Vec::new();
         for part in text.split(',') {
-            let (first, last, step) = range(part.trim())
-                .ok_or_else(|| format!("`{part}` is no range of frames: write 7, 1-240 or 1-240:2"))?;
+            let (first, last, step) = range(part.trim()).ok_or_else(|| {
+                format!("`{part}` is no range of frames: write 7, 1-240, 1-240:2 or -10-240")
+            })?;
             if first > last {
                 return Err(format!("`{part}` runs backwards: write {last}-{first}"));
             }
-            if (last - first) as usize / step + numbers.len() >= MOST {
+            if (i64::from(last) - i64::from(first)) as usize / step + numbers.len() >= MOST {
                 return Err(format!("`{part}` has too many frames: give at most {MOST}"));
             }
             numbers.extend((first..=last).step_by(step));
@@ -43,13 +51,14 @@ impl FromStr for Frames {
     }
 }
 
-/// First, last and step of `7`, `1-240` or `1-240:2`.
-fn range(text: &str) -> Option<(u32, u32, usize)> {
+/// First, last and step of `7`, `1-240` or `1-240:2`; numbers may be below 0.
+fn range(text: &str) -> Option<(i32, i32, usize)> {
     let (ends, step) = match text.split_once(':') {
         Some((ends, step)) => (ends, step.parse().ok().filter(|step| *step > 0)?),
         None => (text, 1),
     };
-    let (first, last) = ends.split_once('-').unwrap_or((ends, ends));
+    let between = ends.char_indices().skip(1).find(|(_, letter)| *letter == '-');
+    let (first, last) = between.map_or((ends, ends), |(at, _)| (&ends[..at], &ends[at + 1..]));
     Some((first.parse().ok()?, last.parse().ok()?, step))
 }
 
@@ -79,46 +88,98 @@ impl FromStr for Shard {
     }
 }
 
-/// The name of a frame's file, with hashes where its number goes.
+/// Frames a second: a number, or a fraction such as 24000/1001.
+pub fn rate(text: &str) -> std::result::Result<f64, String> {
+    let (over, under) = text.split_once('/').unwrap_or((text, "1"));
+    let rate = over.trim().parse::<f64>().ok().zip(under.trim().parse::<f64>().ok()).map(|(a, b)| a / b);
+    rate.filter(|rate| *rate > 0.0 && *rate <= FASTEST).ok_or_else(|| {
+        format!("give a number above 0 and at most {FASTEST}, or a fraction such as 24000/1001")
+    })
+}
+
+/// The name of a frame's file, with a place where its number goes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     folder: PathBuf,
-    before: String,
+    before: OsString,
     digits: usize,
-    after: String,
+    after: OsString,
 }
 
 impl Pattern {
-    /// Reads `output`, such as `out/frame.####.exr`.
+    /// Reads `output`, such as `out/frame.####.exr`: `%04d` and `$F4` stand for the number, too.
     ///
     /// # Errors
-    /// [`Error::Argument`] where its name has no hashes, or hashes in two places.
+    /// [`Error::Argument`] where its name has no such place, or two.
     pub fn of(output: &Path) -> Result<Self> {
         let refuse = |problem: &str| Err(Error::Argument(format!("`{}` {problem}", output.display())));
-        let name = output.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let Some(start) = name.find('#') else {
+        let name = output.file_name().unwrap_or_default().as_encoded_bytes();
+        let Some((start, end, digits)) = place(name, 0) else {
             return refuse(
                 "has no place for the frame's number: write #### there, such as frame.####.png, or name a \
                  movie, .mp4 or .webm",
             );
         };
-        let (before, rest) = name.split_at(start);
-        let after = rest.trim_start_matches('#');
-        if after.contains('#') {
-            return refuse("has hashes in two places: leave one for the frame's number");
+        if place(name, end).is_some() {
+            return refuse("has two places for the frame's number: leave one");
         }
         Ok(Self {
             folder: output.parent().unwrap_or(Path::new("")).to_owned(),
-            before: before.to_owned(),
-            digits: rest.len() - after.len(),
-            after: after.to_owned(),
+            before: part(&name[..start]),
+            digits,
+            after: part(&name[end..]),
         })
     }
 
     /// The file of frame `number`.
-    pub fn file(&self, number: u32) -> PathBuf {
-        self.folder.join(format!("{}{number:0digits$}{}", self.before, self.after, digits = self.digits))
+    pub fn file(&self, number: i32) -> PathBuf {
+        let mut name = self.before.clone();
+        name.push(format!("{number:0digits$}", digits = self.digits));
+        name.push(&self.after);
+        self.folder.join(name)
     }
+}
+
+/// The first place for a number from `from` on: where it begins and ends, and its digits. Hashes, as printf
+/// has it (`%04d`), or as Houdini has it (`$F4`).
+fn place(name: &[u8], from: usize) -> Option<(usize, usize, usize)> {
+    (from..name.len()).find_map(|start| {
+        let rest = &name[start + 1..];
+        let digits = |bytes: &[u8]| bytes.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        let number = |bytes: &[u8]| match str::from_utf8(bytes) {
+            Ok("") => Some(1),
+            text => text.ok()?.parse().ok().filter(|digits| *digits <= MOST_DIGITS),
+        };
+        match name[start] {
+            b'#' => {
+                let more = rest.iter().take_while(|byte| **byte == b'#').count();
+                Some((start, start + 1 + more, 1 + more))
+            }
+            b'%' => {
+                let count = digits(rest);
+                let is_number = rest.get(count) == Some(&b'd');
+                Some((start, start + 2 + count, number(&rest[..count]).filter(|_| is_number)?))
+            }
+            b'$' if rest.first() == Some(&b'F') => {
+                let count = digits(&rest[1..]);
+                let ends = !rest.get(1 + count).is_some_and(u8::is_ascii_alphanumeric);
+                Some((start, start + 2 + count, number(&rest[1..=count]).filter(|_| ends)?))
+            }
+            _ => None,
+        }
+    })
+}
+
+/// A part of a name, which need be no UTF-8 where the system has it so.
+#[cfg(unix)]
+fn part(bytes: &[u8]) -> OsString {
+    <OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(bytes).to_owned()
+}
+
+/// A part of a name.
+#[cfg(not(unix))]
+fn part(bytes: &[u8]) -> OsString {
+    String::from_utf8_lossy(bytes).into_owned().into()
 }
 
 #[cfg(test)]
@@ -131,10 +192,14 @@ mod tests {
         assert_eq!(read("7"), Ok(vec![7]));
         assert_eq!(read("1-5"), Ok(vec![1, 2, 3, 4, 5]));
         assert_eq!(read("1-9:4, 3,5"), Ok(vec![1, 5, 9, 3]));
-        for bad in ["", "a", "1-", "-3", "1-5:0", "1,,2", "99999999999", "0-4000000000"] {
+        for bad in ["", "a", "1-", "-", "--3", "1---3", "1-5:0", "1,,2", "99999999999", "0-4000000000"] {
             assert!(read(bad).is_err(), "{bad}");
         }
         assert!(read("9-3").unwrap_err().contains("write 3-9"));
+        assert_eq!(read("-3"), Ok(vec![-3]));
+        assert_eq!(read("-3-2:2"), Ok(vec![-3, -1, 1]));
+        assert_eq!(read("-8--7,0"), Ok(vec![-8, -7, 0]));
+        assert!(read("-7--8").unwrap_err().contains("write -8--7"));
     }
 
     #[test]
@@ -149,11 +214,35 @@ mod tests {
     }
 
     #[test]
+    fn rates_are_numbers_or_fractions() {
+        assert_eq!(rate("24"), Ok(24.0));
+        assert_eq!(rate("12.5"), Ok(12.5));
+        assert_eq!(rate("30000/1001"), Ok(30000.0 / 1001.0));
+        for bad in ["", "0", "-24", "24/0", "nan", "inf", "1e300", "24/", "/3", "1/2/3", "24fps"] {
+            assert!(rate(bad).unwrap_err().contains("24000/1001"), "{bad}");
+        }
+    }
+
+    #[test]
     fn hashes_become_the_number() {
         let file = |text: &str, number| Pattern::of(Path::new(text)).map(|p| p.file(number)).ok();
         assert_eq!(file("out/a.####.exr", 7), Some("out/a.0007.exr".into()));
         assert_eq!(file("a#.png", 123), Some("a123.png".into()));
         assert_eq!(file("a.png", 1), None);
         assert_eq!(file("a#b#.png", 1), None);
+        assert_eq!(file("out/a.%04d.exr", 7), Some("out/a.0007.exr".into()));
+        assert_eq!(file("a%d.png", 12345), Some("a12345.png".into()));
+        assert_eq!(file("a.$F4.exr", 7), Some("a.0007.exr".into()));
+        assert_eq!(file("a_$F_b.exr", 7), Some("a_7_b.exr".into()));
+        assert_eq!(file("a.####.exr", -7), Some("a.-007.exr".into()));
+        assert_eq!(file("50%.$FF.##.png", 7), Some("50%.$FF.07.png".into()));
+        for bad in ["a.%04d.##.exr", "a%f.png", "a$G4.png", "%99999999999d.png", "a%"] {
+            assert_eq!(file(bad, 1), None, "{bad}");
+        }
+        let (long, short) = ("#".repeat(40), "#".repeat(32));
+        assert_eq!(
+            (file(&long, 1), file(&short, 1)),
+            (Some(format!("{:040}", 1).into()), Some(format!("{:032}", 1).into()))
+        );
     }
 }

@@ -25,14 +25,14 @@ use self::{
     stamp::Stamp,
 };
 use super::{
-    picture::{Format, Job, Painter, PictureOptions, above_zero},
+    picture::{Format, Job, Painter, PictureOptions},
     stopped, terminal,
     tone::told,
 };
 use crate::{
     Error, Result,
     export::{self, Notes},
-    files::write_whole,
+    files::{check_place, write_whole},
     gpu,
     scene::{Scene, Timeline},
 };
@@ -46,14 +46,14 @@ pub struct Sequence {
     /// Scene file; `-` reads the standard input.
     scene: PathBuf,
     /// Pictures to write, such as "out/frame.####.exr" or .png: the frame's number stands for the
-    /// hashes. Or one movie, .mp4 or .webm, through ffmpeg.
+    /// hashes, for `%04d` or for `$F4`. Or one movie, .mp4 or .webm, through ffmpeg.
     #[arg(short, long, value_name = "FILES")]
     output: PathBuf,
-    /// Frames, such as 1-240, 1-240:2 or 7,12-20; all of the timeline where left out.
-    #[arg(long, value_name = "RANGE")]
+    /// Frames, such as 1-240, 1-240:2, 7,12-20 or -10-240; all of the timeline where left out.
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true)]
     frames: Option<Frames>,
-    /// Frames per second; the timeline's where left out, or else 24.
-    #[arg(long, value_name = "N", value_parser = above_zero)]
+    /// Frames per second, such as 24 or 24000/1001; the timeline's where left out, or else 24.
+    #[arg(long, value_name = "N", value_parser = frames::rate)]
     fps: Option<f64>,
     /// Takes the frames of a movie from these PNG files, such as "out/frame.####.png", where they are whole
     /// and of the same scene and options; the others are drawn.
@@ -96,7 +96,7 @@ struct Brush {
 /// A frame to be drawn.
 #[derive(Debug, Clone)]
 struct Still {
-    number: u32,
+    number: i32,
     time: f64,
     stamp: Stamp,
 }
@@ -139,7 +139,7 @@ impl Sequence {
     fn stills(&self, scene: &Scene, fps: f64) -> Result<Vec<Still>> {
         let all = match (&self.frames, &scene.timeline) {
             (Some(frames), _) => frames.numbers(),
-            (None, Some(timeline)) => (1..=timeline.frames()).collect(),
+            (None, Some(timeline)) => (1..=i32::try_from(timeline.frames()).unwrap_or(i32::MAX)).collect(),
             (None, None) => {
                 return Err(Error::Argument(format!(
                     "`{}` has no timeline that says how long it is: say which frames, such as --frames 1-240",
@@ -187,6 +187,7 @@ impl Sequence {
         let pattern = Pattern::of(&self.output)?;
         self.picture.check(Format::of(&self.output)?)?;
         make_folder(&self.output)?;
+        stills.iter().take(1).try_for_each(|still| check_place(&pattern.file(still.number)))?;
         let missing: Vec<&Still> =
             stills.iter().filter(|still| !still.stamp.is_on(&pattern.file(still.number))).collect();
         let mut report = Report { found: stills.len() - missing.len(), ..Report::default() };

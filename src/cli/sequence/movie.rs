@@ -2,14 +2,14 @@
 //! is whole.
 
 use std::{
-    fs,
+    ffi::OsString,
     io::{self, Read, Write},
     path::{Path, PathBuf},
     process::{Child, ChildStdin, Command, Stdio},
     thread::{self, JoinHandle},
 };
 
-use crate::{Error, Result, files::name_beside};
+use crate::{Error, Result, files::Beside};
 
 /// What kind of movie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,15 +50,16 @@ impl Container {
     }
 }
 
-/// Players want even sizes, and to be told which colours they get: those of HD screens.
-const COLOURS: &str =
-    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p";
+/// Players want even sizes, and to be told which colours they get: those of HD screens. What is told of the output
+/// alone is lost where filters know better, so that the last of them tells it.
+const COLOURS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,\
+     setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709";
 
 /// A movie under way.
 pub struct Movie {
     path: PathBuf,
-    /// What is written before it is whole.
-    beside: PathBuf,
+    /// What is written before it is whole; nothing once it has its name.
+    beside: Option<Beside>,
     ffmpeg: Child,
     frames: Option<ChildStdin>,
     said: Option<JoinHandle<String>>,
@@ -70,7 +71,10 @@ impl Movie {
     /// # Errors
     /// [`Error::Argument`] where there is no ffmpeg: the sentence says what to do.
     pub fn begin(path: &Path, container: Container, [width, height]: [u32; 2], fps: f64) -> Result<Self> {
-        let beside = name_beside(path);
+        let beside = Beside::new(path)?;
+        // A name with a colon is no protocol.
+        let mut output = OsString::from("file:");
+        output.push(beside.path());
         let mut command = Command::new("ffmpeg");
         command
             .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"])
@@ -86,7 +90,7 @@ impl Movie {
                 "bt709",
             ])
             .args(container.words())
-            .arg(&beside)
+            .arg(&output)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
@@ -99,7 +103,7 @@ impl Movie {
                 text
             })
         });
-        Ok(Self { path: path.to_owned(), beside, frames: ffmpeg.stdin.take(), ffmpeg, said })
+        Ok(Self { path: path.to_owned(), beside: Some(beside), frames: ffmpeg.stdin.take(), ffmpeg, said })
     }
 
     /// Adds a frame, RGB of 8 bits.
@@ -122,11 +126,7 @@ impl Movie {
         if !self.ffmpeg.wait().is_ok_and(|status| status.success()) {
             return Err(self.failed());
         }
-        fs::rename(&self.beside, &self.path).map_err(|source| Error::File {
-            action: "write",
-            path: self.path.clone(),
-            source,
-        })
+        self.beside.take().map_or(Ok(()), Beside::keep)
     }
 
     fn failed(&mut self) -> Error {
@@ -150,7 +150,6 @@ impl Drop for Movie {
         drop(self.frames.take());
         let _ = self.ffmpeg.kill();
         let _ = self.ffmpeg.wait();
-        let _ = fs::remove_file(&self.beside);
     }
 }
 

@@ -68,6 +68,8 @@ pub struct Canvas {
     /// The quality whose light there is. It goes on being used while only the view moves.
     light: Quality,
     work: Option<Work>,
+    /// What 1 stands for in `linear`.
+    unit: f32,
     linear: Option<wgpu::Texture>,
     screen: Option<Screen>,
     /// Why there is no new picture.
@@ -99,6 +101,7 @@ impl Canvas {
             light: Quality::DRAFT,
             work: None,
             linear: None,
+            unit: 1.0,
             screen: None,
             error: None,
             statistics: Statistics::default(),
@@ -347,7 +350,8 @@ impl Canvas {
             }
         };
         self.submit(encoder)?;
-        Ok(Work { pieces, source, stage, rays, size, began: started.elapsed(), spent: Duration::ZERO })
+        let unit = frame.unit();
+        Ok(Work { pieces, source, stage, rays, unit, size, began: started.elapsed(), spent: Duration::ZERO })
     }
 
     fn draw(&mut self, work: &mut Work, tiles: u32) -> Result<()> {
@@ -368,7 +372,8 @@ impl Canvas {
         if matches!(shown, Shown::Beauty | Shown::Light) {
             let linear = self.renderer.picture("viewport", size, LINEAR);
             self.resolve.draw(&self.gpu.device, &mut encoder, source, &view(&linear), LINEAR);
-            let tone = self.tone();
+            self.unit = work.unit;
+            let tone = self.tone().in_unit(self.unit);
             self.renderer.compose(&mut encoder, &view(&linear), &screen, SCREEN, tone);
             self.linear = Some(linear);
         } else {
@@ -386,7 +391,7 @@ impl Canvas {
         let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
             return;
         };
-        let (mut encoder, tone) = (self.encoder(), self.tone());
+        let (mut encoder, tone) = (self.encoder(), self.tone().in_unit(self.unit));
         self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, tone);
         self.gpu.queue.submit([encoder.finish()]);
     }

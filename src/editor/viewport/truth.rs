@@ -37,6 +37,8 @@ pub struct Truth {
 struct Run {
     subject: Subject,
     tone: Tone,
+    /// What 1 stands for in what is shown.
+    unit: f32,
     tracer: PathTracer,
     preview: Picture,
     sky: Picture,
@@ -114,7 +116,7 @@ impl Truth {
         let Some(run) = &mut self.run else { return Ok(false) };
         let exposed = std::mem::replace(&mut run.tone, tone) != tone;
         if exposed && let Some(shown) = &run.shown {
-            canvas.compose_into(&mut self.screen, &shown.linear, tone)?;
+            canvas.compose_into(&mut self.screen, &shown.linear, tone.in_unit(run.unit))?;
         }
         if run.done {
             return Ok(false);
@@ -123,7 +125,7 @@ impl Truth {
         if run.due() {
             let map = run.show(canvas.gpu())?;
             if let Some(shown) = &run.shown {
-                canvas.compose_into(&mut self.screen, &shown.linear, tone)?;
+                canvas.compose_into(&mut self.screen, &shown.linear, tone.in_unit(run.unit))?;
             }
             let options = TextureOptions::NEAREST;
             match &mut self.map {
@@ -138,11 +140,23 @@ impl Truth {
 /// Begins where the preview is final.
 fn begin(canvas: &mut Canvas, subject: Subject, tone: Tone) -> Result<Option<Run>> {
     let Some((linear, Stage::Final)) = canvas.picture() else { return Ok(None) };
-    let preview = Picture::read(canvas.gpu(), linear)?;
-    let frame = subject.frame([preview.width as u32, preview.height as u32])?;
+    let frame = subject.frame([linear.width(), linear.height()])?;
+    let unit = frame.unit();
+    let preview = Picture::read(canvas.gpu(), linear)?.times(unit);
     let sky = canvas.sky(&frame)?;
     let tracer = PathTracer::new(canvas.gpu(), &frame, 0)?;
-    Ok(Some(Run { subject, tone, tracer, preview, sky, samples: 0, target: 9, shown: None, done: false }))
+    Ok(Some(Run {
+        subject,
+        tone,
+        unit,
+        tracer,
+        preview,
+        sky,
+        samples: 0,
+        target: 9,
+        shown: None,
+        done: false,
+    }))
 }
 
 impl Run {
@@ -186,7 +200,7 @@ impl Run {
             Color32::from_rgb(r, g, b)
         });
         let map = ColorImage::new([width, height], colors.collect());
-        let linear = truth.upload(gpu);
+        let linear = truth.times(self.unit.recip()).upload(gpu);
         self.shown = Some(Shown { at: Instant::now(), samples: self.samples, linear, numbers });
         Ok(map)
     }

@@ -18,6 +18,8 @@ pub struct Work {
     pub stage: Stage,
     /// Rays across a pixel.
     pub rays: u32,
+    /// What 1 stands for in its light.
+    pub unit: f32,
     /// Rays across the width and the height.
     pub size: [u32; 2],
     /// Time that the light took.

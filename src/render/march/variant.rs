@@ -21,6 +21,7 @@ pub struct Variant {
     air_shaded: bool,
     sky_light: bool,
     scene_depth: bool,
+    ground: bool,
     peak: bool,
     absorbing: bool,
     light_nodes: u32,
@@ -43,6 +44,7 @@ impl Variant {
             ("AIR_SHADED", flag(self.air_shaded)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
+            ("GROUND", flag(self.ground)),
             ("NORMALS", flag(self.entry == "normals")),
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
@@ -58,6 +60,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
     // Which way a cloud faces has nothing to do with light.
     let lit = shared.entry != "normals";
     let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
+    let lowest = cloud.origin.y - cloud.half.y;
     Variant {
         transport: settings.transport,
         entry: shared.entry,
@@ -68,6 +71,8 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         air_shaded: shared.sky.has_atmosphere() && settings.aerial && shared.shadows.in_air,
         sky_light: lit && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
+        // Between two points above the level of the ground below the camera there is none of it.
+        ground: settings.ground && shared.sky.has_atmosphere() && lowest < shared.frame.ground,
         peak: lit && has_peak,
         absorbing: species.albedo < 1.0,
         light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),

@@ -45,10 +45,11 @@ impl Film {
     /// # Errors
     /// As [`Frame::new`].
     pub fn frame(&self, scene: &Scene) -> Result<Frame> {
-        Frame::new(scene, self.size.map(|n| n * self.rays))
+        Ok(Frame::new(scene, self.size.map(|n| n * self.rays))?.holding_the_disc())
     }
 
-    /// Draws a frame of this film, before its sky or before nothing; tells the share done.
+    /// Draws a frame of this film, before its sky or before nothing, in the unit of the scene's lights; tells the
+    /// share done.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
@@ -63,10 +64,10 @@ impl Film {
         let linear = renderer.picture("linear", frame.size(), HDR);
         let target = Target { color: &view(&linear), depth: None, sky };
         renderer.render_in_pieces(gpu, frame, &target, progress)?;
-        self.read(gpu, &linear)
+        Ok(self.read(gpu, &linear)?.times(frame.unit()))
     }
 
-    /// The picture of a texture that a frame of this film was drawn into.
+    /// The picture of a texture that a frame of this film was drawn into, in the frame's unit.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
@@ -89,7 +90,7 @@ impl Renderer {
         (linear, pieces)
     }
 
-    /// What is behind the clouds of `frame`.
+    /// What is behind the clouds of `frame`, in the unit of the scene's lights.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
@@ -98,7 +99,7 @@ impl Renderer {
         let mut encoder = self.encoder();
         self.render_sky(&mut encoder, frame, &view(&sky));
         gpu.queue.submit([encoder.finish()]);
-        Picture::read(gpu, &sky)
+        Ok(Picture::read(gpu, &sky)?.times(frame.unit()))
     }
 }
 

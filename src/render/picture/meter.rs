@@ -31,7 +31,7 @@ const NIGHT: f64 = 1.6e-3;
 /// No light at all.
 const BLACK: f64 = 1e-20;
 /// Stops up and down that are enough for any scene.
-const MOST: f64 = 20.0;
+const MOST: f64 = 40.0;
 
 impl Renderer {
     /// Auto exposure of `frame`, in stops: to be added to the scene's own. It depends on the moment and on
@@ -46,7 +46,7 @@ impl Renderer {
         let clouds = Film::new(frame.size(), 1).take(gpu, self, &frame, false, &mut |_| ());
         let sky = self.sky_picture(gpu, &frame);
         self.settings.counting = counting;
-        let dimmest = NIGHT * f64::from(frame.sun.irradiance.max_element());
+        let dimmest = NIGHT * f64::from(frame.unit() * frame.sun.irradiance.max_element());
         Ok(metered(&clouds?, Some(&sky?), dimmest))
     }
 }

@@ -108,7 +108,7 @@ impl Renderer {
             Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to]),
             Stage::new(self.draws(frame, None, "layers", HDR), &lit),
         ];
-        (Layers { sky, single, multiple, air, distance, normal }, Pieces::new(work))
+        (Layers { sky, single, multiple, air, distance, normal, unit: frame.unit() }, Pieces::new(work))
     }
 
     /// Begins the work of each pixel of `frame`: steps, evaluations of the density and reads

@@ -62,6 +62,15 @@ impl Picture {
         Self { width: columns * width, height: rows * height, pixels }
     }
 
+    /// The same with so many times the light.
+    #[must_use]
+    pub fn times(mut self, factor: f32) -> Self {
+        if factor != 1.0 {
+            self.pixels.iter_mut().for_each(|pixel| pixel[..3].iter_mut().for_each(|c| *c *= factor));
+        }
+        self
+    }
+
     /// Puts this picture, whose colours are multiplied by alpha, over another of its size.
     pub fn put_over(&mut self, behind: &Self) {
         for (pixel, behind) in self.pixels.iter_mut().zip(&behind.pixels) {
@@ -76,7 +85,10 @@ impl Picture {
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn finished(&self, gpu: &Gpu, renderer: &mut Renderer, tone: Tone) -> Result<Vec<u8>> {
         let size = [self.width as u32, self.height as u32];
-        let linear = self.upload(gpu);
+        // Half floats hold what a screen shows of light in whatever unit.
+        let exposed = tone.stops.round();
+        let linear = self.clone().times(exposed.exp2() as f32).upload(gpu);
+        let tone = Tone { stops: tone.stops - exposed, ..tone };
         let finished = renderer.picture("finished", size, wgpu::TextureFormat::Rgba8Unorm);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let views = [&linear, &finished].map(|texture| texture.create_view(&Default::default()));

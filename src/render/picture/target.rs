@@ -56,4 +56,6 @@ pub struct Layers {
     pub distance: wgpu::Texture,
     /// Which way the clouds face: a unit vector of the world where alpha is 1.
     pub normal: wgpu::Texture,
+    /// What 1 stands for in those of light: [`Frame::unit`](crate::render::Frame::unit).
+    pub unit: f32,
 }

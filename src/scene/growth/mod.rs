@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Ellipsoid;
 use super::validate::{At, COORDINATE, Limits};
+use super::whole::whole;
 use crate::Result;
 use pile::{Lump, Pile};
 
@@ -105,7 +106,8 @@ struct Sparse {
     /// What grows.
     kind: GrowthKind,
     /// Any whole number, 0 to 4294967295: other seeds give other clouds of the same kind.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "whole")]
+    #[schemars(with = "u32", range(min = 0, max = u32::MAX))]
     seed: u32,
     /// Middle of the base [x, y, z], metres; y is the height at which vapour condenses. [0, 1000, 0] where left out.
     #[serde(default = "usual_place")]

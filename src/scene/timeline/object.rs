@@ -216,6 +216,7 @@ fn world(scene: &Scene) -> Scene {
     Scene {
         clouds: Vec::new(),
         timeline: None,
+        schema: scene.schema.clone(),
         format: scene.format,
         name: scene.name.clone(),
         noise: scene.noise.clone(),
