@@ -8,7 +8,7 @@ use crate::{
     gpu::{Gpu, view},
 };
 
-/// The union of all clouds.
+/// The union of all clouds but layers.
 pub(crate) struct World {
     /// Its origin: the middle of all clouds.
     pub origin: DVec3,
@@ -25,7 +25,7 @@ impl World {
         let (low, high) = frame.bounds().unwrap_or_default();
         let origin = 0.5 * (low + high);
         let (mut ellipsoids, mut bodies, mut species) = (Vec::new(), Vec::new(), Vec::new());
-        for cloud in &frame.clouds {
+        for cloud in frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none()) {
             let offset = cloud.origin - origin;
             ellipsoids.extend(cloud.medium.moved(offset, bodies.len() as u32));
             bodies.push(cloud.medium.body_at(offset, cloud.medium.species_among(&mut species)));
