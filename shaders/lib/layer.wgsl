@@ -1,6 +1,8 @@
-// A layer as a height field n(x, z) that repeats. Where F = (n - begin) / rise is above 0, there is cloud from
-// bottom(F) below the level of its rims to top(F) above it, both of which meet that level upright. Heights in m.
-// @use density
+// A layer as a height field n(x, z) that repeats: a sheet, and heaps that stand out of it on both sides. Where
+// n > begin, there is cloud from the lower side below the level of its rims to the upper side above it; heights are those
+// of F = (n - begin) / rise for heaps, and the `flat` share of those of F = (n - begin) / sheet for the sheet.
+// Heights in m.
+// @use density ray_box
 
 struct Layer {
     // Height in the frame of the level of the rims, and the most above and below it.
@@ -13,9 +15,14 @@ struct Layer {
     frequency: f32,
     // Edge of a texel of the field, m.
     texel: f32,
-    // Value of the field where the cover begins, and how much more it has where the layer is thickest.
+    // Value of the field where the cover begins, and how much more it has where heaps and where the sheet are thickest.
     begin: f32,
     rise: f32,
+    sheet: f32,
+    // Height of the sheet over that of heaps.
+    flat: f32,
+    // Roundness c of heaps: small ones rise like cones, great ones like bowls [Max].
+    round: f32,
     // No value changes faster than this with place and height, 1/m.
     steepest: f32,
     // Extinction coefficient behind the boundary, 1/m.
@@ -23,34 +30,74 @@ struct Layer {
     // Thickness of the boundary that noise shapes, m, and 0 where that is all billows, 1 where it is all wisps.
     boundary: f32,
     wispiness: f32,
+    padding: f32,
 }
 
-// Roundness c of heaps: 0 are cones, a great one are bowls [Max].
-const ROUND: f32 = 1.0;
-// The lower side's height over the upper side's where F = 1, were both of one size.
-const LOWER: f32 = 0.77459667;
+// The value of the lower side's formula where F = 1.
+fn layer_lower(round: f32) -> f32 {
+    return sqrt((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round)));
+}
 
-// Heights of top and bottom over their most where F is `fill`: sqrt(F^2 + 2 c F) / sqrt(1 + 2 c) = g above, and
-// likewise g / sqrt(g^2 + 2 c^2) below.
-fn layer_heights(fill: f32) -> vec2f {
+// Heights of the upper and the lower side over their most where F is `fill`: with g^2 = F^2 + 2 c F they go as g and as
+// g / sqrt(g^2 + 2 c^2).
+fn layer_heights(round: f32, fill: f32) -> vec2f {
     let f = saturate(fill);
-    let g = sqrt(f * (f + 2.0 * ROUND));
-    return vec2f(g / sqrt(1.0 + 2.0 * ROUND), g / sqrt(g * g + 2.0 * ROUND * ROUND) / LOWER);
+    let g = sqrt(f * (f + 2.0 * round));
+    return vec2f(g / sqrt(1.0 + 2.0 * round), g / sqrt(g * g + 2.0 * round * round) / layer_lower(round));
 }
 
-// What F must be for cloud at a height above the rims, and how that changes with height, 1/m.
-fn layer_fill(layer: Layer, height: f32) -> vec2f {
-    let above = height > 0.0;
-    let most = max(select(layer.bottom, layer.top, above), 1e-3);
-    let share = min(abs(height) / most, 1.0);
-    let reach = sqrt(1.0 + 2.0 * ROUND);
+// Thickness where the field is `column` above where the cover begins, m.
+fn layer_thickness(layer: Layer, column: f32) -> f32 {
+    let heaps = layer_heights(layer.round, column / layer.rise);
+    let sheet = layer.flat * layer_heights(layer.round, column / layer.sheet);
+    return dot(max(heaps, sheet), vec2f(layer.top, layer.bottom));
+}
+
+// What F must be for cloud at this share of the most height above the rims, or below them, and how that changes with
+// the share.
+fn layer_fill(round: f32, height: f32, above: bool) -> vec2f {
+    let share = min(height, 1.0);
+    let reach = sqrt(1.0 + 2.0 * round);
     // The same g from the upper side's height or the lower one's.
-    let r = LOWER * share;
-    let left = 1.0 - r * r;
-    let g = select(sqrt(2.0) * ROUND * r / sqrt(left), reach * share, above);
-    let g_slope = select(-sqrt(2.0) * ROUND * LOWER / (left * sqrt(left)), reach, above) / most;
-    let root = sqrt(ROUND * ROUND + g * g);
-    return vec2f(root - ROUND, g_slope * g / root);
+    let lower = layer_lower(round);
+    let left = 1.0 - lower * lower * share * share;
+    let g = select(sqrt(2.0 / left) * round * lower * share, reach * share, above);
+    let g_slope = select(sqrt(2.0 / left) * round * lower / left, reach, above);
+    let root = sqrt(round * round + g * g);
+    return vec2f(root - round, g_slope * g / root);
+}
+
+// The sheet and the heaps: how much more the field has where one is thickest than where it begins, and its height over
+// the most.
+struct LayerPart {
+    rise: f32,
+    share: f32,
+}
+
+fn layer_sheet(layer: Layer) -> LayerPart {
+    return LayerPart(layer.sheet, layer.flat);
+}
+
+fn layer_heaps(layer: Layer) -> LayerPart {
+    return LayerPart(layer.rise, 1.0);
+}
+
+// The most height above the rims of a part, or below them, m.
+fn layer_most(layer: Layer, part: LayerPart, height: f32) -> f32 {
+    return max(part.share * select(layer.bottom, layer.top, height > 0.0), 1e-3);
+}
+
+// How far above where the cover begins the field must be for a part at a height above the rims, and how that changes with
+// height, 1/m. Beyond its most height that stays as it is there.
+fn layer_need(layer: Layer, part: LayerPart, height: f32) -> vec2f {
+    let most = layer_most(layer, part, height);
+    let fill = layer_fill(layer.round, abs(height) / most, height > 0.0);
+    return part.rise * vec2f(fill.x, sign(height) * fill.y / most);
+}
+
+// Whether a part reaches a height above the rims where the field is no higher than `peak`.
+fn layer_reaches(layer: Layer, part: LayerPart, peak: f32, height: f32) -> bool {
+    return peak >= layer.begin + layer_need(layer, part, height).x && abs(height) <= layer_most(layer, part, height);
 }
 
 // The field at a place: mean value over a pixel, slopes, 1/m, and half the range of values in the pixel, which
@@ -66,49 +113,41 @@ fn layer_field(layer: Layer, texel: vec4f) -> LayerField {
     return LayerField(texel.x, layer.frequency * texel.yz, 1.7320508 * texel.w);
 }
 
-// The hull of the layer at a height above its rims, and the share of the pixel that is in it as its
-// extinction. Noise moves no boundary farther than there is cloud in the column, so that what is covered stays so.
-fn layer_edge(layer: Layer, field: LayerField, height: f32) -> Edge {
-    let fill = layer_fill(layer, height);
-    let need = layer.begin + layer.rise * fill.x;
-    let excess = field.value + field.range - need;
-    let local = length(vec3f(field.slope, layer.rise * fill.y));
+// Depth below the surface of a part at a height above the rims, m, to first order; negative outside, where it is no less
+// than the distance to it. The lowest side is left to the level of the cloud, below which there is none of it.
+fn layer_depth(layer: Layer, part: LayerPart, field: LayerField, height: f32) -> f32 {
+    let need = layer_need(layer, part, height);
+    let excess = field.value + field.range - layer.begin - need.x;
+    let local = length(vec3f(field.slope, need.y));
     let slope = select(max(local, 1e-9), layer.steepest, excess < 0.0);
-    let depth = min(excess / slope, layer.top - height);
-    let share = saturate(excess / max(2.0 * field.range, 1e-6));
-    let column = field.value + field.range - layer.begin;
-    let heights = layer_heights(column / layer.rise);
-    let thickness = heights.x * layer.top + heights.y * layer.bottom;
-    let aside = max(column, 0.0) / max(length(field.slope), 1e-9);
-    let boundary = min(layer.boundary, min(0.5 * thickness, aside));
-    return Edge(depth, share * layer.extinction, boundary, layer.wispiness);
+    let below = select(height + part.share * layer.bottom, 1e30, part.share == 1.0 || layer.bottom == 0.0);
+    return min(excess / slope, min(part.share * layer.top - height, below));
 }
 
-// Distances along a ray between which it is below a height: o + d t + b t^2 < 0, where o is the start's height above
-// that, d its slope and b > 0 half the curvature of the earth along it. The first is beyond the second where
-// it never is.
-fn layer_below(o: f32, d: f32, b: f32) -> vec2f {
-    let square = d * d - 4.0 * b * o;
-    if square <= 0.0 {
-        return vec2f(1e30, -1e30);
-    }
-    // No difference of numbers that are nearly the same.
-    let q = -0.5 * (d + select(-1.0, 1.0, d >= 0.0) * sqrt(square));
-    let roots = vec2f(q / b, o / select(q, 1e-30, q == 0.0));
-    return vec2f(min(roots.x, roots.y), max(roots.x, roots.y));
+// The hull of the layer at a height above its rims, and as its extinction the mean over the pixel. Noise moves no boundary
+// farther than there is cloud in the column, so that what is covered stays so.
+fn layer_edge(layer: Layer, field: LayerField, height: f32) -> Edge {
+    let sheet = select(-1e30, layer_depth(layer, layer_sheet(layer), field, height), layer.flat > 0.0);
+    let depth = max(sheet, layer_depth(layer, layer_heaps(layer), field, height));
+    let column = field.value + field.range - layer.begin;
+    let need = min(layer_need(layer, layer_heaps(layer), height).x,
+        select(1e30, layer_need(layer, layer_sheet(layer), height).x, abs(height) < layer_most(layer, layer_sheet(layer), height)));
+    let share = saturate((column - need) / max(2.0 * field.range, 1e-6));
+    let aside = max(column, 0.0) / max(length(field.slope), 1e-9);
+    let boundary = min(layer.boundary, min(0.5 * layer_thickness(layer, column), aside));
+    return Edge(depth, share * layer.extinction, boundary, layer.wispiness);
 }
 
 // A ray goes on for no more than this, m.
 const LAYER_FARTHEST: f32 = 5e5;
-const LAYER_LEAST_BEND: f32 = 1e-13;
 
 // The next piece of a ray, from `t` on, between the lowest and the highest height of the layer, and before the
 // ground: where it begins and where it ends, which is no later where there is none.
 fn layer_span(layer: Layer, height: f32, slope: f32, bend: f32, t: f32) -> vec2f {
-    let b = max(bend, LAYER_LEAST_BEND);
-    let below_top = layer_below(height - layer.rim - layer.top, slope, b);
-    let below_base = layer_below(height - layer.rim + layer.bottom, slope, b);
-    let in_ground = layer_below(height - layer.ground, slope, b);
+    let b = max(bend, RAY_LEAST_BEND);
+    let below_top = ray_below(height - layer.rim - layer.top, slope, b);
+    let below_base = ray_below(height - layer.rim + layer.bottom, slope, b);
+    let in_ground = ray_below(height - layer.ground, slope, b);
     let ground = select(LAYER_FARTHEST, in_ground.x, in_ground.x < in_ground.y && in_ground.x > 0.0);
     let end = min(below_top.y, min(ground, LAYER_FARTHEST));
     var begin = max(below_top.x, t);

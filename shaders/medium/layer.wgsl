@@ -117,12 +117,12 @@ fn square_is_clear(origin: vec3f, direction: vec3f, start: f32, end: f32, level:
     let peak = layer_peaks[finer + like.y * size + like.x];
     let heights = origin.y - layer.rim + vec2f(start, end) * (direction.y + vec2f(start, end) * layer_bend);
     let nearest = clamp(0.0, min(heights.x, heights.y), max(heights.x, heights.y));
-    return peak < layer.begin + layer.rise * layer_fill(layer, nearest).x;
+    return !layer_reaches(layer, layer_heaps(layer), peak, nearest) && !layer_reaches(layer, layer_sheet(layer), peak, nearest);
 }
 
 // Which way the layer faces at a point, noise left out: against the slope of what the field leaves.
 fn medium_facing(region: Region, p: vec3f) -> vec3f {
     let field = field_at(p, layer.texel);
-    let slope = vec3f(field.slope.x, -layer.rise * layer_fill(layer, p.y - layer.rim).y, field.slope.y);
+    let slope = vec3f(field.slope.x, -layer_need(layer, layer_heaps(layer), p.y - layer.rim).y, field.slope.y);
     return -slope / max(length(slope), 1e-9);
 }

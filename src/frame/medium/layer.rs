@@ -6,7 +6,7 @@ use super::layer_tile::{TEXELS, Tile};
 use crate::{
     frame::Shared,
     gpu::Role,
-    scene::{self, Cloud},
+    scene::Cloud,
 };
 
 /// The medium as a layer.
@@ -24,16 +24,21 @@ pub struct LayerUniform {
     pub(crate) texel: f32,
     pub(crate) begin: f32,
     pub(crate) rise: f32,
+    pub(crate) sheet: f32,
+    pub(crate) flat: f32,
+    pub(crate) round: f32,
     pub(crate) steepest: f32,
     pub(crate) extinction: f32,
     pub(crate) boundary: f32,
     pub(crate) wispiness: f32,
+    padding: f32,
 }
 
-/// The field over which a sheet comes to be as thick as it is, at its rims.
+/// The field over which a sheet comes to be as thick as it is, at its rims, of what it does not cover: one that covers
+/// all has no rims.
 const SHEET_RISE: f64 = 0.12;
-/// Roundness of heaps: that of `shaders/lib/layer.wgsl`.
-const ROUND: f64 = 1.0;
+/// Roundness of heaps whose edge is all billows, and all wisps.
+const ROUND: [f64; 2] = [1.0, 0.05];
 
 /// The shape of a layer.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,9 +59,14 @@ impl LayerShape {
         let bottom = layer.bulge * layer.thickness;
         let top = layer.thickness - bottom;
         let middle = layer.base + 0.5 * layer.thickness;
-        let rise = rise(layer);
+        // Heaps of a sky that is hardly covered are low.
+        let rise = layer.coverage.sqrt();
+        let sheet = (SHEET_RISE * (1.0 - layer.coverage)).max(1e-6);
+        let (flat, wispy) = (1.0 - layer.heaps, cloud.edge.wispiness);
+        let round = ROUND[0] + (ROUND[1] - ROUND[0]) * wispy;
         let slope = f64::from(tile.steepest) / period;
-        let steepest = slope.hypot(rise * steepest_fill(top).max(steepest_fill(bottom)));
+        let upright = if flat > 0.0 { rise.max(sheet / flat) } else { rise };
+        let steepest = slope.hypot(upright * steepest_fill(round) / top.min(bottom.max(1e-2 * top)));
         let uniform = LayerUniform {
             rim: (layer.base + bottom - middle) as f32,
             top: top as f32,
@@ -66,10 +76,14 @@ impl LayerShape {
             texel: (period / TEXELS as f64) as f32,
             begin: (1.0 - layer.coverage) as f32,
             rise: rise as f32,
+            sheet: sheet as f32,
+            flat: flat as f32,
+            round: round as f32,
             steepest: steepest as f32,
             extinction: (cloud.droplets.extinction() * layer.density) as f32,
             boundary: cloud.edge.boundary as f32,
             wispiness: cloud.edge.wispiness as f32,
+            padding: 0.0,
         };
         let anchor = dvec3(layer.offset[0], middle, layer.offset[1]);
         Some(Self { uniform, tile, period, anchor })
@@ -112,6 +126,40 @@ impl LayerShape {
     }
 }
 
+impl LayerShape {
+    /// Whether there may be something of it over a square, one of `squares` along a period, between two heights in its
+    /// frame, m.
+    pub fn reaches(&self, square: [f64; 2], squares: f64, [low, high]: [f32; 2]) -> bool {
+        let LayerUniform { rim, begin, .. } = self.uniform;
+        let mip = (TEXELS as f64 / squares).log2().round() as usize;
+        let peak = self.tile.peak(mip, square[0].floor() as i64, square[1].floor() as i64);
+        let nearest = 0_f32.clamp(low - rim, high - rim);
+        f64::from(peak - begin) >= self.need(nearest.into())
+    }
+
+    /// How far above where the cover begins the field must be for cloud at a height above the rims: the least that
+    /// `layer_need` of `shaders/lib/layer.wgsl` tells of the sheet and the heaps.
+    fn need(&self, height: f64) -> f64 {
+        let LayerUniform { top, bottom, rise, sheet, flat, round, .. } = self.uniform;
+        let round = f64::from(round);
+        let part = |rise: f32, share: f32| {
+            let most = f64::from(share * if height > 0.0 { top } else { bottom }).max(1e-3);
+            let share = height.abs() / most;
+            if share > 1.0 {
+                return f64::INFINITY;
+            }
+            let g = if height > 0.0 {
+                share * (1.0 + 2.0 * round).sqrt()
+            } else {
+                let r = share * ((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round))).sqrt();
+                round * r * (2.0 / (1.0 - r * r)).sqrt()
+            };
+            f64::from(rise) * (round.hypot(g) - round)
+        };
+        part(rise, 1.0).min(part(sheet, flat))
+    }
+}
+
 /// Distances between which o + d t + b t^2 is below 0.
 fn below(o: f64, d: f64, b: f64) -> Option<(f64, f64)> {
     let square = d * d - 4.0 * b * o;
@@ -123,14 +171,10 @@ fn below(o: f64, d: f64, b: f64) -> Option<(f64, f64)> {
     Some((first.min(second), first.max(second)))
 }
 
-/// By how much the field of a layer is above where its cover begins where it is at its thickest. A sheet that
-/// covers all has no rims.
-fn rise(layer: &scene::Layer) -> f64 {
-    let sheet = SHEET_RISE * (1.0 - layer.coverage);
-    (sheet + layer.heaps * (layer.coverage.sqrt() - sheet)).max(1e-6)
-}
-
-/// The steepest slope of what heights of heaps that are `height` m high need of the field, 1/m.
-fn steepest_fill(height: f64) -> f64 {
-    (1.0 + 2.0 * ROUND) / (1.0 + ROUND) / height.max(1e-3)
+/// The steepest slope of `layer_fill` of `shaders/lib/layer.wgsl`, which both sides have at their most height.
+fn steepest_fill(round: f64) -> f64 {
+    let lower = ((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round))).sqrt();
+    let left = 1.0 - lower * lower;
+    let below = (2.0 / left).sqrt() * round * lower / left * (1.0 + 2.0 * round).sqrt() / (1.0 + round);
+    below.max((1.0 + 2.0 * round) / (1.0 + round))
 }

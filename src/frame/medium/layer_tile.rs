@@ -28,6 +28,8 @@ pub(super) const TEXELS: usize = 1024;
 pub(crate) const SQUARES: usize = 64;
 /// Amplitudes go as wave numbers to the power of minus this, that of surfaces of dimension 2.35.
 const FALL: f64 = 1.65;
+/// Power of the wave number that waves of stretched fields are stretched by on top.
+const FIBROUS: f64 = 0.5;
 /// How far places are moved, in scales, so that nothing is straight.
 const WARP: f64 = 0.22;
 /// What the Gaussian field has still got of the mixture where all is cells.
@@ -177,10 +179,12 @@ impl Metric {
         along * along + self.along.perp_dot(d).powi(2)
     }
 
-    /// Of a wave, squared: those along the heading are longer.
+    /// Of a wave, squared: those along the heading are longer, and fine ones more so, as fibres are.
     fn wave(self, k: DVec2) -> f64 {
-        let along = k.dot(self.along) * self.stretch;
-        along * along + self.along.perp_dot(k).powi(2)
+        let across = self.along.perp_dot(k);
+        let finer = across.abs().max(1.0).powf(FIBROUS * (1.0 - 1.0 / self.stretch));
+        let along = k.dot(self.along) * self.stretch * finer;
+        along * along + across * across
     }
 }
 
@@ -189,7 +193,7 @@ fn mixture(key: Key) -> Vec<f64> {
     let metric = Metric::new(key);
     let mut random = Random(ChaCha8Rng::seed_from_u64(u64::from(key.seed)));
     // Waves shorter than the scale fall off, longer ones are rare.
-    let torn = |square: f64| square.powf(if square < 1.0 { 0.35 } else { -0.5 * FALL });
+    let torn = |square: f64| square.powf(if square < 1.0 { 0.1 } else { -0.5 * FALL });
     let slow = |square: f64| (-2.0 * square).exp();
     let torn = gaussian(&mut random, metric, torn);
     let warps = [(); 2].map(|()| gaussian(&mut random, metric, slow));

@@ -24,6 +24,9 @@ pub struct LightBox {
     padding_along: f32,
 }
 
+/// Voxels across a layer's box over those along it, and the least of them.
+const FLATTER: u32 = 16;
+const LEAST_ALONG: u32 = 16;
 /// Least share of the way along columns of a layer's box that goes down or up.
 const FLATTEST: f32 = 0.03;
 /// Share of the layer's height by which its box is higher.
@@ -130,6 +133,9 @@ impl LightBox {
     }
 
     pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
+        if self.repeat > 0.0 {
+            return [resolution, resolution, (resolution / FLATTER).max(LEAST_ALONG)];
+        }
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }
