@@ -103,7 +103,8 @@ fn square_place(origin: vec3f, direction: vec3f, t: f32, square: f32) -> vec2f {
 
 // Distance along the ray to where it leaves the square over which it is.
 fn square_exit(origin: vec3f, direction: vec3f, t: f32, square: f32) -> f32 {
-    let place = square_place(origin, direction, t, square);
+    // Along a wall a ray leaves by the others.
+    let place = select(square_place(origin, direction, t, square), vec2f(0.5), abs(direction.xz) < vec2f(1e-6));
     return cell_exit(vec3f(place.x, 0.5, place.y), square, 0.0, vec3f(direction.x, 0.0, direction.z));
 }
 

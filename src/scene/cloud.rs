@@ -168,14 +168,11 @@ impl Cloud {
 
     pub(super) fn check(&self, at: At) -> Result<()> {
         let list = at.field("ellipsoids");
+        if self.layer.is_some() {
+            self.check_alone(at)?;
+        }
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
             ellipsoid.check(list.index(i))?;
-        }
-        if self.layer.is_some() && !self.ellipsoids.is_empty() {
-            return Err(at.problem(format!(
-                "it has both `layer` and {} `ellipsoids`: leave out one of them, or make two clouds",
-                self.ellipsoids.len()
-            )));
         }
         self.check_own(at)
     }
@@ -189,7 +186,6 @@ impl Cloud {
         }
         if let Some(layer) = &self.layer {
             layer.check(at.field("layer"))?;
-            self.check_alone(at)?;
         }
         at.field("blend").number(self.blend, SHARE)?;
         if let Some(level) = self.level {
@@ -211,6 +207,7 @@ impl Cloud {
     fn check_alone(&self, at: At) -> Result<()> {
         let others = [
             ("growth", self.growth.is_some(), "leave it out, or make a second cloud that grows"),
+            ("ellipsoids", !self.ellipsoids.is_empty(), "leave out one of them, or make two clouds"),
             ("level", self.level.is_some(), "leave it out: the layer's `base` is where it begins"),
             ("life", self.life.is_some(), "leave it out, and animate the layer's `coverage`"),
             ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),

@@ -4,6 +4,7 @@
 mod depth;
 mod growth;
 mod imports;
+mod layers;
 mod optics;
 mod presets;
 #[cfg(all(feature = "export", feature = "import"))]

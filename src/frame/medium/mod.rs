@@ -21,6 +21,8 @@ pub(crate) use depth_volume::{BrickUniform, CELLS};
 pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, DepthVolumeUniform, Plan};
 pub(crate) use ellipsoids::EllipsoidUniform;
 pub(crate) use layer::{LAYER, LayerShape, LayerUniform};
+#[cfg(test)]
+pub(crate) use layer_tile::SQUARES;
 pub(crate) use layer_tile::{Tile, TileTextures};
 #[cfg(test)]
 pub(crate) use noise::FINE;
