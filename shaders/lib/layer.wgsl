@@ -35,15 +35,15 @@ struct Layer {
 
 // The value of the lower side's formula where F = 1.
 fn layer_lower(round: f32) -> f32 {
-    return sqrt((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round)));
+    return sqrt((1.0 + 2.0 * round) / (3.0 + 2.0 * round));
 }
 
 // Heights of the upper and the lower side over their most where F is `fill`: with g^2 = F^2 + 2 c F they go as g and as
-// g / sqrt(g^2 + 2 c^2).
+// g / sqrt(g^2 + 2), which is flatter in the middle [Max, with c = 1 there].
 fn layer_heights(round: f32, fill: f32) -> vec2f {
     let f = saturate(fill);
     let g = sqrt(f * (f + 2.0 * round));
-    return vec2f(g / sqrt(1.0 + 2.0 * round), g / sqrt(g * g + 2.0 * round * round) / layer_lower(round));
+    return vec2f(g / sqrt(1.0 + 2.0 * round), g / sqrt(g * g + 2.0) / layer_lower(round));
 }
 
 // Thickness where the field is `column` above where the cover begins, m.
@@ -61,8 +61,8 @@ fn layer_fill(round: f32, height: f32, above: bool) -> vec2f {
     // The same g from the upper side's height or the lower one's.
     let lower = layer_lower(round);
     let left = 1.0 - lower * lower * share * share;
-    let g = select(sqrt(2.0 / left) * round * lower * share, reach * share, above);
-    let g_slope = select(sqrt(2.0 / left) * round * lower / left, reach, above);
+    let g = select(sqrt(2.0 / left) * lower * share, reach * share, above);
+    let g_slope = select(sqrt(2.0 / left) * lower / left, reach, above);
     let root = sqrt(round * round + g * g);
     return vec2f(root - round, g_slope * g / root);
 }

@@ -38,7 +38,7 @@ pub struct LayerUniform {
 /// all has no rims.
 const SHEET_RISE: f64 = 0.12;
 /// Roundness of heaps whose edge is all billows, and all wisps.
-const ROUND: [f64; 2] = [1.0, 0.05];
+const ROUND: [f64; 2] = [1.0, 0.02];
 
 /// The shape of a layer.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,8 +151,8 @@ impl LayerShape {
             let g = if height > 0.0 {
                 share * (1.0 + 2.0 * round).sqrt()
             } else {
-                let r = share * ((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round))).sqrt();
-                round * r * (2.0 / (1.0 - r * r)).sqrt()
+                let r = share * lower(round);
+                r * (2.0 / (1.0 - r * r)).sqrt()
             };
             f64::from(rise) * (round.hypot(g) - round)
         };
@@ -171,10 +171,15 @@ fn below(o: f64, d: f64, b: f64) -> Option<(f64, f64)> {
     Some((first.min(second), first.max(second)))
 }
 
+/// `layer_lower` of `shaders/lib/layer.wgsl`.
+fn lower(round: f64) -> f64 {
+    ((1.0 + 2.0 * round) / (3.0 + 2.0 * round)).sqrt()
+}
+
 /// The steepest slope of `layer_fill` of `shaders/lib/layer.wgsl`, which both sides have at their most height.
 fn steepest_fill(round: f64) -> f64 {
-    let lower = ((1.0 + 2.0 * round) / (1.0 + 2.0 * round * (1.0 + round))).sqrt();
+    let lower = lower(round);
     let left = 1.0 - lower * lower;
-    let below = (2.0 / left).sqrt() * round * lower / left * (1.0 + 2.0 * round).sqrt() / (1.0 + round);
+    let below = (2.0 / left).sqrt() * lower / left * (1.0 + 2.0 * round).sqrt() / (1.0 + round);
     below.max((1.0 + 2.0 * round) / (1.0 + round))
 }
