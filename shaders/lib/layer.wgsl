@@ -64,7 +64,8 @@ fn layer_fill(round: f32, height: f32, above: bool) -> vec2f {
     let g = select(sqrt(2.0 / left) * lower * share, reach * share, above);
     let g_slope = select(sqrt(2.0 / left) * lower / left, reach, above);
     let root = sqrt(round * round + g * g);
-    return vec2f(root - round, g_slope * g / root);
+    // root - round, without a difference of numbers that are nearly the same.
+    return vec2f(g * g / max(root + round, 1e-9), g_slope * g / max(root, 1e-9));
 }
 
 // The sheet and the heaps: how much more the field has where one is thickest than where it begins, and its height over
@@ -106,6 +107,23 @@ struct LayerField {
     value: f32,
     slope: vec2f,
     range: f32,
+}
+
+// Mip of the field in which a texel is as wide as a footprint, m.
+fn layer_mip(layer: Layer, footprint: f32) -> f32 {
+    return log2(max(footprint / layer.texel, 1.0));
+}
+
+// Squares of the field that a ray jumps over: edge of the least, in texels, growth with distance, and how many sizes
+// there are, each twice as wide as the one before.
+const SQUARE: f32 = 16.0;
+const SQUARE_GROWTH: f32 = 0.02;
+const SQUARE_SIZES: u32 = 7u;
+
+// Which size at a distance along a ray, m.
+fn layer_square(layer: Layer, t: f32) -> u32 {
+    let edge = max(SQUARE, SQUARE_GROWTH * t / layer.texel);
+    return min(u32(log2(edge / SQUARE)), SQUARE_SIZES - 1u);
 }
 
 // From a texel, in which slopes are by tile and the last is the deviation.

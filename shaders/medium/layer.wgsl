@@ -31,8 +31,8 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
 }
 
 fn field_at(p: vec3f, footprint: f32) -> LayerField {
-    let level = log2(max(footprint / layer.texel, 1.0));
-    return layer_field(layer, textureSampleLevel(layer_texels, repeat, layer.frequency * p.xz, level));
+    let texel = textureSampleLevel(layer_texels, repeat, layer.frequency * p.xz, layer_mip(layer, footprint));
+    return layer_field(layer, texel);
 }
 
 // What is at a point, with this `share` of the noise.
@@ -54,12 +54,8 @@ fn medium_begin(region: Region, origin: vec3f, direction: vec3f, bend: f32) {
     layer_bend = bend;
 }
 
-// Edges of the squares that a ray jumps over: the least, in texels, and growth with distance; how many there are of the
-// least along an edge of a period, and of larger ones sizes.
-const SQUARE: f32 = 16.0;
+// Least squares along an edge of a period.
 const LAYER_SQUARES: u32 = 64u;
-const SQUARE_SIZES: u32 = 7u;
-const SQUARE_GROWTH: f32 = 0.02;
 // Squares that are looked at in one go.
 const SQUARES: u32 = 6u;
 // Steps go by a share of the layer's thickness where its boundary is thicker or thinner than that, and by one of
@@ -76,8 +72,7 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
     if t < span.x {
         return Stretch(span.x, false, 0.0, 0.0, 0u);
     }
-    let edge = max(SQUARE, SQUARE_GROWTH * t / layer.texel);
-    let level = min(u32(log2(edge / SQUARE)), SQUARE_SIZES - 1u);
+    let level = layer_square(layer, t);
     let square = SQUARE * layer.texel * f32(1u << level);
     var here = t;
     for (var i = 0u; i < SQUARES && here < span.y; i++) {

@@ -12,11 +12,7 @@ use glam::{UVec3, Vec3};
 
 use crate::{
     Error, Result,
-    frame::{
-        Frame,
-        CameraUniform,
-        medium::World,
-    },
+    frame::{CameraUniform, Frame, medium::World},
     gpu::{self, ComputeProgram, Gpu},
     render::Sky,
 };

@@ -213,9 +213,9 @@ impl Cloud {
             ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
         ];
         match others.into_iter().find(|(_, is_there, _)| *is_there) {
-            Some((name, _, way_out)) => {
-                Err(at.problem(format!("it has both `layer` and `{name}`, which layers do not have: {way_out}")))
-            }
+            Some((name, _, way_out)) => Err(
+                at.problem(format!("it has both `layer` and `{name}`, which layers do not have: {way_out}"))
+            ),
             None => Ok(()),
         }
     }

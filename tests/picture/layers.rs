@@ -3,11 +3,11 @@
 
 use crate::common;
 
+use common::truth::trace;
 use common::{
     gpu,
     picture::{draw, renderer, scene},
 };
-use common::truth::trace;
 use nephos::{
     export::Picture,
     reference::Estimate,
@@ -173,7 +173,8 @@ fn lowest_gap(top: f64, eye: f64) -> f64 {
     let layer = format!(r#""base": {}, "coverage": 1, "heaps": 0, "thickness": 500"#, top - 500.0);
     let rows = 800;
     let film = Film::new([1, rows], 1);
-    let frame = film.frame(&deck(&layer, r#""edge": {"boundary": 0, "wispiness": 0}"#, &camera, HIGH)).unwrap();
+    let frame =
+        film.frame(&deck(&layer, r#""edge": {"boundary": 0, "wispiness": 0}"#, &camera, HIGH)).unwrap();
     let mut renderer = renderer(Quality::PREVIEW, Transport::SINGLE);
     let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
     let first = picture.pixels.iter().position(|pixel| pixel[3] > 0.5).unwrap();

@@ -1,7 +1,7 @@
 //! Layers in scene files.
 
-use nephos::scene::{Cloud, Layer, Preset, Scene};
 use nephos::render::Frame;
+use nephos::scene::{Cloud, Layer, Preset, Scene};
 
 fn refusal(cloud: &str) -> String {
     let text = format!(r#"{{"format": 1, "clouds": [{cloud}]}}"#);
@@ -12,9 +12,15 @@ fn refusal(cloud: &str) -> String {
 fn what_is_wrong_with_a_layer_is_told_with_the_way_out() {
     let cases = [
         (r#"{"layer": {"coverage": 1.2}}"#, "clouds[0].layer.coverage: 1.2 is out of range: expected 0 to 1"),
-        (r#"{"layer": {"thickness": 0}}"#, "clouds[0].layer.thickness: 0 is out of range: expected 1 to 20000 metres"),
+        (
+            r#"{"layer": {"thickness": 0}}"#,
+            "clouds[0].layer.thickness: 0 is out of range: expected 1 to 20000 metres",
+        ),
         (r#"{"layer": {"scale": -3}}"#, "clouds[0].layer.scale: -3 is out of range"),
-        (r#"{"layer": {}, "ellipsoids": [{"center": [0, 0, 0], "radii": [1, 1, 1]}]}"#, "both `layer` and `ellipsoids`"),
+        (
+            r#"{"layer": {}, "ellipsoids": [{"center": [0, 0, 0], "radii": [1, 1, 1]}]}"#,
+            "both `layer` and `ellipsoids`",
+        ),
         (r#"{"layer": {}, "growth": {"kind": "humilis"}}"#, "both `layer` and `growth`"),
         (r#"{"layer": {}, "level": 900}"#, "both `layer` and `level`"),
         (r#"{"layer": {}, "evaporation": {"lee": 0.5, "base": 0}}"#, "raise the edge's `wispiness`"),

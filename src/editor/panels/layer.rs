@@ -21,7 +21,10 @@ pub(super) fn layer(ui: &mut Ui, document: &mut Document, index: usize, cloud: &
     let told = match is_layer {
         true => {
             let depth = numbers.thickness * numbers.density * cloud.droplets.extinction();
-            format!("Optical thickness where it is thickest: {depth:.1}. It repeats every {:.0} m.", numbers.period())
+            format!(
+                "Optical thickness where it is thickest: {depth:.1}. It repeats every {:.0} m.",
+                numbers.period()
+            )
         }
         false => "To make it a layer takes its ellipsoids away.".to_owned(),
     };

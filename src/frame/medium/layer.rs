@@ -3,11 +3,7 @@
 use glam::{DVec3, dvec3};
 
 use super::layer_tile::{TEXELS, Tile};
-use crate::{
-    frame::Shared,
-    gpu::Role,
-    scene::Cloud,
-};
+use crate::{frame::Shared, gpu::Role, scene::Cloud};
 
 /// The medium as a layer.
 pub(crate) const LAYER: Role<'static> = ("medium", include_str!("../../../shaders/medium/layer.wgsl"));
@@ -154,7 +150,7 @@ impl LayerShape {
                 let r = share * lower(round);
                 r * (2.0 / (1.0 - r * r)).sqrt()
             };
-            f64::from(rise) * (round.hypot(g) - round)
+            f64::from(rise) * g * g / (round.hypot(g) + round)
         };
         part(rise, 1.0).min(part(sheet, flat))
     }

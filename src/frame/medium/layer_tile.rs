@@ -130,8 +130,7 @@ fn texture(
     let size = TEXELS as u32;
     let (format, usage) = (wgpu::TextureFormat::Rgba16Float, wgpu::TextureUsages::empty());
     let mips = size.ilog2() + 1;
-    let texture =
-        gpu::texture(device, &TextureDesc { label, size: [size, size, 0], mips, format, usage });
+    let texture = gpu::texture(device, &TextureDesc { label, size: [size, size, 0], mips, format, usage });
     for (mip_level, texels) in (0..).zip(levels) {
         let edge = size >> mip_level;
         queue.write_texture(
@@ -332,7 +331,7 @@ fn with_slopes(ranks: &[f32], i: usize) -> Texel {
 }
 
 /// The level after: means of four, and the deviation of what they hold.
-fn coarser(level: &Vec<Texel>) -> Option<Vec<Texel>> {
+fn coarser(level: &[Texel]) -> Option<Vec<Texel>> {
     fours(level, |four| {
         let mean = |of: &dyn Fn(&Texel) -> f32| four.iter().map(|&t| of(t)).sum::<f32>() / 4.0;
         let value = mean(&|t| t[0]);
@@ -342,7 +341,7 @@ fn coarser(level: &Vec<Texel>) -> Option<Vec<Texel>> {
 }
 
 /// The level after: the highest of four.
-fn higher(level: &Vec<f32>) -> Option<Vec<f32>> {
+fn higher(level: &[f32]) -> Option<Vec<f32>> {
     fours(level, |four| four.iter().fold(0.0, |most: f32, &&value| most.max(value)))
 }
 
@@ -399,7 +398,8 @@ mod tests {
 
     #[test]
     fn a_transform_of_one_wave_is_one_number() {
-        let mut wave: Vec<DVec2> = (0..8).map(|i| DVec2::from_angle(TAU * 3.0 * f64::from(i) / 8.0)).collect();
+        let mut wave: Vec<DVec2> =
+            (0..8).map(|i| DVec2::from_angle(TAU * 3.0 * f64::from(i) / 8.0)).collect();
         transform(&mut wave);
         for (i, value) in wave.iter().enumerate() {
             let expected = if i == 3 { 8.0 } else { 0.0 };

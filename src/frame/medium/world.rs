@@ -2,9 +2,7 @@
 
 use glam::DVec3;
 
-use super::{
-    BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Species, upload_noise,
-};
+use super::{BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Species, upload_noise};
 use crate::{
     frame::{CloudFrame, Frame, Shared},
     gpu::{Gpu, Role, view},

@@ -143,7 +143,8 @@ fn may_meet(
     let corners = [min, UVec2::new(max.x, min.y), max, UVec2::new(min.x, max.y)];
     let slopes = corners.map(|corner| camera.ray(corner.as_vec2() / Vec2::from(camera.size)).1.y);
     let wide = (max - min).max_element() as f32 * camera.pixel;
-    let [low, high] = [slopes.into_iter().fold(1.0, f32::min) - wide, slopes.into_iter().fold(-1.0, f32::max) + wide];
+    let [low, high] =
+        [slopes.into_iter().fold(1.0, f32::min) - wide, slopes.into_iter().fold(-1.0, f32::max) + wide];
     [low, high].into_iter().any(|slope| layer.is_met(eye.y, slope.clamp(-1.0, 1.0), bend))
 }
 
