@@ -28,7 +28,8 @@ struct Cloud {
     lit_at_once: f32,
     // Farthest distance of shadows in the air, m.
     shadow_range: f32,
-    padding: f32,
+    // Half the earth's curvature, 1/m; 0 where the cloud is small.
+    curvature: f32,
     // Distance of what the caller drew = x / (y + z depth) along the view axis.
     scene_depth: vec4f,
 }
@@ -134,7 +135,8 @@ fn shade(v: Varyings) -> Shade {
     count(RAYS, 1u);
     let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
     let ray = LightRay(cloud.camera + seen_from_camera.origin, seen_from_camera.direction, cloud.to_sun,
-        Region(v.first, v.count), medium_species(0u));
+        Region(v.first, v.count), medium_species(0u),
+        cloud.curvature * (1.0 - seen_from_camera.direction.y * seen_from_camera.direction.y));
     let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
     let species = ray.species;
     let opaque = opaque_ahead(opaque_before(cloud.opaque, light_glare(ray)), light_ahead(species));

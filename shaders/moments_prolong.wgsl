@@ -20,7 +20,7 @@ fn interpolated(light: u32, cell: u32) -> array<vec4f, 4> {
     var sum = array<vec4f, 4>();
     for (var i = 0u; i < 8u; i++) {
         let side = vec3f(vec3u(i, i >> 1u, i >> 2u) & vec3u(1u));
-        let at = vec3u(clamp(low + side, vec3f(0.0), vec3f(coarse.size) - 1.0));
+        let at = field_held(coarse, low + side);
         let value = coarse_moments[light * field_cells(coarse) + field_index(coarse, at)];
         for (var j = 0u; j < 4u; j++) {
             sum[j] += trilinear_weight(part, i) * value[j];

@@ -1,6 +1,7 @@
 // Light along each direction of the quadrature through the field, from the source that the
 // last round of scattering left: short characteristics (`lib/characteristic`). One workgroup a direction and light; it goes from plane to
-// plane across the axis along which its direction crosses cells the fastest.
+// plane across the axis along which its direction crosses cells the fastest. A field that repeats itself is gone through from
+// top to bottom, and what is outside of it beside comes from the opposite face.
 // @use characteristic field
 
 @group(0) @binding(0) var<uniform> field: Field;
@@ -20,7 +21,7 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
     // Find the axis and what a step from plane to plane is.
     let way = directions[group.x].xyz;
     let rates = way / field.cell;
-    let a = sweep_axis(rates);
+    let a = select(sweep_axis(rates), 1u, field.repeats == 1u);
     let u = (a + 1u) % 3u;
     let v = (a + 2u) % 3u;
     let step = 1.0 / abs(rates[a]);
@@ -48,8 +49,9 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
                 for (var i = 0u; i < 4u; i++) {
                     let side = vec2f(vec2u(i & 1u, i >> 1u));
                     let place = vec2i(low + side);
-                    let inside = all(place >= vec2i(0)) && all(place < vec2i(size));
-                    let held = vec2u(clamp(place, vec2i(0), vec2i(size) - 1));
+                    let like = ((place % vec2i(size)) + vec2i(size)) % vec2i(size);
+                    let inside = field.repeats == 1u || all(place == like);
+                    let held = vec2u(select(clamp(place, vec2i(0), vec2i(size) - 1), like, field.repeats == 1u));
                     let other = before + held.x * strides[u] + held.y * strides[v];
                     let value = vec3f(radiance[first + other], cells[other], source[first + other]);
                     up += bilinear_weight(part, i) * select(vec3f(outside, 0.0, source_here), value, inside);

@@ -13,7 +13,7 @@
 // they do, and a share of their directions is drawn around the sun (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use path_medium path_state path_walk
+// @use path_medium path_state path_walk ray_box
 
 // Threads of one pixel: thread i has samples i, i + LANES, ... of `Scene::samples`.
 override LANES: u32 = 1u;
@@ -63,8 +63,11 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     // From far away the place is rounded by more than a hair of a cell, and must not be outside.
     let hair = vec3f(1e-4 * scene.cell);
     (*path).position = clamp(origin + span.x * ray.direction, scene.low + hair, high - hair);
+    if scene.repeats == 1u {
+        enter_repeating(path, origin, ray.direction);
+    }
     // A ray that misses the grid is outside at once.
-    if span.x >= span.y {
+    if span.x >= span.y && scene.repeats == 0u {
         (*path).position = scene.low - vec3f(scene.cell);
     }
     (*path).throughput = vec3f(1.0);
@@ -73,6 +76,28 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     (*path).collisions = 0u;
     (*path).covered = false;
     (*path).mode = TRACK;
+}
+
+// Where a ray comes into a grid that repeats itself, over the curved earth: there heights are above that, and so is
+// the direction. A ray that meets the ground before or nothing at all is outside.
+fn enter_repeating(path: ptr<function, Path>, origin: vec3f, direction: vec3f) {
+    let bend = max(scene.curvature * (1.0 - direction.y * direction.y), RAY_LEAST_BEND);
+    let low = scene.low.y;
+    let high = low + scene.cell * f32(scene.size.y);
+    let over = ray_below(origin.y - high, direction.y, bend);
+    let under = ray_below(origin.y - low, direction.y, bend);
+    let ground = ray_below(origin.y + scene.altitude, direction.y, bend);
+    var t = max(over.x, 0.0);
+    if t >= under.x && t < under.y {
+        t = under.y;
+    }
+    let hidden = ground.x < ground.y && ground.x > 0.0 && ground.x < t;
+    t += 1e-4 * scene.cell;
+    (*path).position = origin + t * direction + vec3f(0.0, bend * t * t, 0.0);
+    (*path).direction = normalize(direction + vec3f(0.0, 2.0 * bend * t, 0.0));
+    if over.x >= over.y || over.y < 0.0 || hidden {
+        (*path).position = scene.low - vec3f(scene.cell);
+    }
 }
 
 fn finish(path: ptr<function, Path>, index: u32) {

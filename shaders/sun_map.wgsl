@@ -10,17 +10,22 @@
 
 struct Corner {
     @builtin(position) position: vec4f,
-    // Place in the box across the light, and where the light enters it along the beam, m.
+    // Place in the box across the light, and the depth at which light enters it, m.
     @location(0) uv: vec2f,
     @location(1) entry: f32,
     @location(2) @interpolate(flat) square: u32,
 }
 
+// Four vertices a square. A box that repeats itself does so by instances, in rows of so many, about itself.
 @vertex
-fn footprint(@builtin(vertex_index) vertex: u32, @builtin(instance_index) square: u32) -> Corner {
+fn footprint(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     var place = map.place;
-    let uv = vec2f(f32(vertex & 1u), f32(vertex >> 1u));
-    let at = sun_map_coordinate(map, place[square], light_box_point(box, vec3f(uv, 0.0)));
+    let square = vertex / 4u;
+    let whole = select(1.0, box.repeat, box.repeat > 0.0);
+    let uv = 0.5 + whole * (vec2f(f32(vertex & 1u), f32((vertex >> 1u) & 1u)) - 0.5);
+    let row = u32(box.tiles);
+    let tile = vec2f(f32(instance % row), f32(instance / row)) - 0.5 * (box.tiles - 1.0);
+    let at = sun_map_coordinate(map, place[square], light_box_point(box, vec3f(uv + whole * tile, 0.0)));
     return Corner(vec4f(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y, 0.0, 1.0), uv, at.z, square);
 }
 
@@ -36,12 +41,13 @@ fn light(corner: Corner) -> Light {
     let across = 0.25 * dpdx(corner.uv);
     let aside = 0.25 * dpdy(corner.uv);
     let planes = planes_within(corner.square);
+    let thickness = -box.along.y * box.length;
     var sum = array<f32, PLANES>();
     // A texel may be wider than the voxels of the cloud: light is averaged over four places of it.
     for (var i = 0u; i < 4u; i++) {
         let uv = corner.uv + select(-across, across, (i & 1u) == 1u) + select(-aside, aside, i > 1u);
         for (var plane = planes.x; plane < planes.y; plane++) {
-            let w = (plane_at(corner.square, plane) - corner.entry) / box.length;
+            let w = (plane_at(corner.square, plane) - corner.entry) / thickness;
             let depth = textureSampleLevel(volume, linear, vec3f(uv, w), 0.0).b;
             sum[plane] += 0.25 * sun_map_through(select(0.0, depth, w > 0.0));
         }
@@ -56,7 +62,7 @@ fn light(corner: Corner) -> Light {
 
 const PLANES: u32 = 4u * SUN_MAP_LAYERS;
 
-// Place of a plane of a square along the beam, m.
+// Depth of a plane of a square, m.
 fn plane_at(square: u32, plane: u32) -> f32 {
     var planes = map.planes;
     return planes[SUN_MAP_LAYERS * square + plane / 4u][plane % 4u];
@@ -64,10 +70,9 @@ fn plane_at(square: u32, plane: u32) -> f32 {
 
 // The planes that the box reaches and the first one behind it: the first of them, and one beyond the last.
 fn planes_within(square: u32) -> vec2u {
-    let edges = vec2f(dot(box.edge_u, map.along), dot(box.edge_v, map.along));
-    let entry = dot(box.corner, map.along);
-    let low = entry + min(edges.x, 0.0) + min(edges.y, 0.0);
-    let high = entry + max(edges.x, 0.0) + max(edges.y, 0.0) + box.length;
+    let edges = -vec2f(box.edge_u.y, box.edge_v.y);
+    let low = -box.corner.y + min(edges.x, 0.0) + min(edges.y, 0.0);
+    let high = -box.corner.y + max(edges.x, 0.0) + max(edges.y, 0.0) - box.along.y * box.length;
     var first = 0u;
     var last = 0u;
     for (var plane = 0u; plane < PLANES; plane++) {

@@ -8,8 +8,8 @@ use crate::{
     frame::{
         CameraUniform, MEDIA,
         medium::{
-            BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, NoiseFrame,
-            SpeciesUniform,
+            BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
+            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform,
         },
     },
     gpu,
@@ -47,7 +47,9 @@ fn module(entry_point: &str, light: Transport) -> Module {
 }
 
 fn in_shader(entry_point: &str, name: &str) -> Layout {
-    let module = module(entry_point, Transport::default());
+    let medium = if name == "Layer" { LAYER } else { MEDIA[0] };
+    let roles = [&[medium], Transport::default().roles()].concat();
+    let module = gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap();
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).unwrap();
     let (_, found) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).unwrap();
@@ -60,7 +62,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 18] = [
+    let cases: [(&str, &str, Layout); 19] = [
         (
             "sky",
             "SunMap",
@@ -69,7 +71,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "path",
             "Scene",
-            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds),
+            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature),
         ),
         (
             "march",
@@ -89,13 +91,13 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "LightBox",
-            layout!(LightBox: corner, texel, row_u, length, row_v, row_w, edge_u, edge_v, along),
+            layout!(LightBox: corner, texel, row_u, length, row_v, repeat, row_w, tiles, edge_u, edge_v, along),
         ),
         (
             "march",
             "Cloud",
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
-                first_step, longest_step, growth, lit_at_once, shadow_range, scene_depth),
+                first_step, longest_step, growth, lit_at_once, shadow_range, curvature, scene_depth),
         ),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
         (
@@ -111,7 +113,13 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "moments_sweep",
             "Field",
-            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam),
+            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam, repeats),
+        ),
+        (
+            "march",
+            "Layer",
+            layout!(LayerUniform: rim, top, bottom, ground, frequency, texel, begin, rise, sheet, flat, round, steepest,
+                extinction, boundary, wispiness),
         ),
         (
             "depth_bake",
@@ -184,6 +192,13 @@ fn constants_of_rust_and_shaders_agree() {
     for (shader, name, rust) in cases {
         assert_eq!(constant(shader, name), rust, "{name} of {shader}");
     }
+}
+
+#[test]
+fn squares_of_layers_are_as_many_as_the_shader_takes() {
+    let text = gpu::entry_point("march", &[&[LAYER], Transport::default().roles()].concat());
+    assert!(text.contains(&format!("const LAYER_SQUARES: u32 = {SQUARES}u;")));
+    assert!(text.contains(&format!("const SQUARE_SIZES: u32 = {}u;", SQUARES.ilog2() + 1)));
 }
 
 #[test]

@@ -19,6 +19,11 @@ struct Field {
     scattering: vec4f,
     // The sun's beam: the direction of its light, and 1 where this light is the sun's.
     beam: vec4f,
+    // 1 where the box repeats itself along x and z, else 0.
+    repeats: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
 }
 
 // A cell: extinction per metre without what goes straight on, and the share of the beam
@@ -44,6 +49,24 @@ fn field_place(field: Field, index: u32) -> vec3u {
 // Coordinates in the box, from 0 to 1, of a point; `scale` is 1 over the box's extent.
 fn field_inside(low: vec3f, scale: vec3f, p: vec3f) -> vec3f {
     return (p - low) * scale;
+}
+
+// A cell, or the one like it where the box repeats itself; else the nearest.
+fn field_held(field: Field, at: vec3f) -> vec3u {
+    let size = vec3f(field.size);
+    let nearest = clamp(at, vec3f(0.0), size - 1.0);
+    let like = at - size * floor(at / size);
+    return vec3u(select(nearest, vec3f(like.x, nearest.y, like.z), field.repeats == 1u));
+}
+
+// Texture coordinates in a stack of `count` pictures of a field that repeats itself, of the place `inside` its box in
+// picture `number`: pictures lie one above the other, and have a cell of the opposite side around x and z.
+fn field_tile_place(texels: vec3f, inside: vec3f, number: u32, count: u32) -> vec3f {
+    let cells = texels - vec3f(2.0, 0.0, 2.0);
+    let high = cells.y / f32(count);
+    let y = f32(number) * high + clamp(inside.y * high, 0.5, high - 0.5);
+    let around = 1.0 + cells * fract(inside);
+    return vec3f(around.x, y, around.z) / texels;
 }
 
 // Where the middle of a cell is among the middles of the cells of another field of the same box.

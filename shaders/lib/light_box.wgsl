@@ -12,9 +12,11 @@ struct LightBox {
     // Length of the columns, m.
     length: f32,
     row_v: vec3f,
-    padding_v: f32,
+    // Share of the box across that repeats itself, in the middle of it; 0 where none does.
+    repeat: f32,
     row_w: vec3f,
-    padding_w: f32,
+    // Periods in a row where the box stands for them, in the map of the sun's light.
+    tiles: f32,
     // Edges across, m.
     edge_u: vec3f,
     padding_edge_u: f32,
@@ -25,10 +27,15 @@ struct LightBox {
     padding_along: f32,
 }
 
-// Texture coordinates of a point.
+// Texture coordinates of a point, or of the one like it where the box repeats itself.
 fn light_box_coordinate(box: LightBox, p: vec3f) -> vec3f {
     let q = p - box.corner;
-    return vec3f(dot(q, box.row_u), dot(q, box.row_v), dot(q, box.row_w));
+    let across = vec2f(dot(q, box.row_u), dot(q, box.row_v));
+    if box.repeat <= 0.0 {
+        return vec3f(across, dot(q, box.row_w));
+    }
+    let margin = 0.5 * (1.0 - box.repeat);
+    return vec3f(margin + box.repeat * fract((across - margin) / box.repeat), dot(q, box.row_w));
 }
 
 // Edge of a brick, voxels: each brick has a list of the ellipsoids that reach into it.

@@ -10,6 +10,8 @@ struct LightRay {
     // What of the medium it can meet, and what the cloud is made of.
     region: Region,
     species: Species,
+    // Half the earth's curvature along the ray, 1/m: heights are above it. 0 where the cloud is small.
+    bend: f32,
 }
 
 // A piece of a ray that is lit at once. It may be optically thick, and `before` and `after` far apart:
@@ -62,7 +64,7 @@ struct RayLight {
 }
 
 fn light_ray_at(ray: LightRay, t: f32) -> vec3f {
-    return ray.origin + t * ray.direction;
+    return ray.origin + t * ray.direction + vec3f(0.0, ray.bend * t * t, 0.0);
 }
 
 // The light of a cloud that glows by itself, of which this much is opaque: as much as the mean over all

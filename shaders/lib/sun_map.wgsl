@@ -1,6 +1,6 @@
 // Transmittance of all clouds along the sun's beam, seen from the sun: squares across the beam, each finer than the
-// one before, with the share of light at planes across the beam, four in a texel of each layer. Between planes it is
-// linear; it is light, not optical depth, that is kept and filtered, so that the mean light on the ground is right
+// one before, with the share of light at level planes, four in a texel of each layer. Planes are level because the
+// clouds of a sky share their heights, however low the sun stands. Between planes light is linear in height; it is light, not optical depth, that is kept and filtered, so that the mean light on the ground is right
 // however coarse a texel is.
 //
 // Lokovic and Veach, "Deep Shadow Maps", SIGGRAPH 2000; Nes, thesis, 2008 (planes in place of his nodes by texel:
@@ -21,21 +21,22 @@ struct SunMap {
     along: vec3f,
     // Distance from the camera beyond which the air has no shadow, m.
     reach: f32,
-    // By square: its corner across and aside, m; 1 over its edge; where the first plane's interval begins along, m.
+    // By square: its corner across and aside, m; 1 over its edge; depth below the camera where the interval of the first
+    // plane begins, m.
     place: array<vec4f, SUN_MAP_SQUARES>,
-    // Places of the planes along the beam, m, rising.
+    // Depths of the planes below the camera, m, rising.
     planes: array<vec4f, SUN_MAP_SQUARES * SUN_MAP_LAYERS>,
 }
 
-// Texture coordinates of a point, m from the camera, and its place along the beam, m.
+// Texture coordinates of a point, m from the camera, and its depth below the camera, m.
 fn sun_map_coordinate(map: SunMap, place: vec4f, p: vec3f) -> vec3f {
-    return vec3f((vec2f(dot(p, map.across), dot(p, map.aside)) - place.xy) * place.z, dot(p, map.along));
+    return vec3f((vec2f(dot(p, map.across), dot(p, map.aside)) - place.xy) * place.z, -p.y);
 }
 
-// Share of the way through the intervals that end at the planes `to`, at the place `s`.
-fn sun_map_passed(begin: f32, to: vec4f, s: f32) -> vec4f {
+// Share of the way through the intervals that end at the planes `to`, at the depth `depth`.
+fn sun_map_passed(begin: f32, to: vec4f, depth: f32) -> vec4f {
     let from4 = vec4f(begin, to.xyz);
-    return saturate((s - from4) / max(to - from4, vec4f(1e-3)));
+    return saturate((depth - from4) / max(to - from4, vec4f(1e-3)));
 }
 
 // The finest square that holds a point; `squares` where none does.
@@ -104,7 +105,7 @@ fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, sq
         begin = planes[layer].w;
         before = through.w;
     }
-    return max(sum.x / sum.y, 0.0);
+    return max(sum.x / sum.y, 0.0) / -map.along.y;
 }
 
 // The same as `sun_map_light` on ground that lies behind all clouds, with the penumbra of the sun's disc.

@@ -9,6 +9,9 @@
 // What it leaves out, by scattering angle and optical depth.
 @group(2) @binding(6) var remainder: texture_2d<f32>;
 
+// Whether the field repeats itself: it then holds what goes to all directions.
+override REPEATS: bool = false;
+
 struct LightSum {
     sun: SunSum,
     multiple: vec3f,
@@ -37,17 +40,49 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
     var diffuse = sum.diffuse;
     let multiple = sum.multiple + node.seen * source_of_sun(ray, inside, node.depth.x);
     if SKY_LIGHT {
-        count(MAP_READS, 1u);
-        diffuse += node.seen * textureSampleLevel(sky_field, linear, inside, 0.0).rgb;
+        diffuse += node.seen * source_of_sky(ray, inside);
     }
     return LightSum(sum.sun, multiple, diffuse);
 }
 
+fn source_of_sky(ray: LightRay, inside: vec3f) -> vec3f {
+    if !REPEATS {
+        count(MAP_READS, 1u);
+        return textureSampleLevel(sky_field, linear, inside, 0.0).rgb;
+    }
+    count(MAP_READS, 3u);
+    let low = harmonics_low(-ray.direction);
+    var light = vec3f(0.0);
+    for (var i = 0u; i < 3u; i++) {
+        light[i] = dot(tile_texel(sky_field, inside, i, 3u), low);
+    }
+    return max(light, vec3f(0.0));
+}
+
+fn tile_texel(volume: texture_3d<f32>, inside: vec3f, number: u32, count: u32) -> vec4f {
+    let texels = vec3f(textureDimensions(volume));
+    return textureSampleLevel(volume, linear, field_tile_place(texels, inside, number, count), 0.0);
+}
+
+// What was solved for of the sun's light, towards a direction.
+fn solved_of_sun(inside: vec3f, after: vec3f) -> f32 {
+    if !REPEATS {
+        count(MAP_READS, 1u);
+        return expanded(textureSampleLevel(sun_field, linear, inside, 0.0), after);
+    }
+    count(MAP_READS, 4u);
+    var moments = array<vec4f, 4>();
+    for (var i = 0u; i < 4u; i++) {
+        moments[i] = tile_texel(sun_field, inside, i, 4u);
+    }
+    return max(harmonics_sum(moments, after), 0.0);
+}
+
 // Source of sunlight scattered more than once, per unit of irradiance.
 fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
-    count(MAP_READS, 2u);
+    count(MAP_READS, 1u);
     let after = -ray.direction;
-    let solved = expanded(textureSampleLevel(sun_field, linear, inside, 0.0), after);
+    let solved = solved_of_sun(inside, after);
     let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(depth));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));

@@ -15,7 +15,7 @@ fn kept_of(body: u32) -> f32 {
 fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
     var m = March(1.0, 0.0, 0.0, 0.0, 0.0, vec3f(0.0), light_begin(ray));
     var t = 0.0;
-    medium_begin(ray.region, ray.origin, ray.direction);
+    medium_begin(ray.region, ray.origin, ray.direction, ray.bend);
     var stretch = Stretch(0.0, false, 0.0, 0.0, 0u);
     var step = 0.0;
     var phase = offset;

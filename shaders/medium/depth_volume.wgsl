@@ -63,7 +63,7 @@ fn cloud_at(p: vec3f, direction: vec3f, footprint: f32, blur: f32, share: f32) -
     return matter_below(body, 0u, depth_edge(volume_frame, texel), p.y, noise, blur);
 }
 
-fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
+fn medium_begin(region: Region, origin: vec3f, direction: vec3f, bend: f32) {
 }
 
 // Bricks that one stretch of a ray is long, so that short steps are shared by what is near.

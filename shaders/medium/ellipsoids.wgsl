@@ -109,7 +109,7 @@ fn farthest_near() -> u32 {
 }
 
 // Where a ray begins that is followed by `medium_ahead`.
-fn medium_begin(region: Region, origin: vec3f, direction: vec3f) {
+fn medium_begin(region: Region, origin: vec3f, direction: vec3f, bend: f32) {
     find_near(region, origin, direction, 0.0);
 }
 

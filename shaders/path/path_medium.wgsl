@@ -53,6 +53,9 @@ struct Step {
     majorant: f32,
 }
 
+// Where a grid that repeats itself ends all the same, m.
+const FARTHEST: f32 = 5e5;
+
 // Cells that one step crosses at the most; the next one goes on from there.
 const CELLS: u32 = 8u;
 
@@ -67,7 +70,12 @@ fn track(position: vec3f, direction: vec3f) -> Step {
     var cell = Cell(0u, 0u, 0.0, 0u);
     for (var i = 0u; i < CELLS; i++) {
         let place = (p - scene.low) / scene.cell;
-        let index = vec3i(floor(place));
+        var index = vec3i(floor(place));
+        if scene.repeats == 1u {
+            let size = vec3i(scene.size);
+            let like = ((index % size) + size) % size;
+            index = select(vec3i(like.x, index.y, like.z), vec3i(-1), max(abs(p.x), abs(p.z)) > FARTHEST);
+        }
         outside = any(index < vec3i(0)) || any(index >= vec3i(scene.size));
         if outside {
             break;

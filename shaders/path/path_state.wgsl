@@ -23,7 +23,10 @@ struct Scene {
     first: u32,
     // Steps of one thread in one dispatch.
     rounds: u32,
-    padding: vec2u,
+    // 1 where the grid repeats itself along x and z, else 0.
+    repeats: u32,
+    // Half the earth's curvature, over which the camera sees the clouds, 1/m; 0 where they are small.
+    curvature: f32,
 }
 
 struct Cell {

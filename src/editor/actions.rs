@@ -177,7 +177,7 @@ pub fn about(preset: Preset) -> &'static str {
         Preset::Mediocris => "Cumulus about as tall as wide.",
         Preset::Congestus => "Towering cumulus with sharp cauliflower turrets.",
         Preset::Fractus => "Small torn shreds.",
-        Preset::Stratocumulus => "Stratocumulus in closed cells: flat patches with narrow gaps.",
+        Preset::ClosedCells => "Patches of stratocumulus in closed cells, with narrow gaps.",
         Preset::OpenCells => "Stratocumulus in open cells: rings around clear air.",
         Preset::Cumulonimbus => "A thunderstorm with its anvil.",
         Preset::Tower => "A towering cumulus that leans with the wind.",
@@ -186,6 +186,12 @@ pub fn about(preset: Preset) -> &'static str {
         Preset::Sphere => "One homogeneous sphere.",
         Preset::Drift => "Fair-weather cumuli that form, drift and dissolve: a loop of ten seconds.",
         Preset::Kol => "Eight ellipsoids with a wispy boundary, after Kol (2013).",
+        Preset::Stratus => "A low grey layer from horizon to horizon.",
+        Preset::Stratocumulus => "A layer of heaps with gaps, to the horizon.",
+        Preset::Altocumulus => "A layer of small heaps, to the horizon.",
+        Preset::Mackerel => "Ripples of thin cloud in rows, to the horizon.",
+        Preset::Cirrostratus => "A veil of ice high up, to the horizon.",
+        Preset::Cirrus => "Streaks of ice along the shear of the wind, to the horizon.",
     }
 }
 

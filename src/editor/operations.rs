@@ -27,7 +27,10 @@ impl Document {
         };
         let into = self.active_cloud().map(|(index, _)| index);
         self.edit_and_select("Add ellipsoid", |scene, selection| {
-            let cloud = into.or(scene.clouds.len().checked_sub(1)).unwrap_or_else(|| push_cloud(scene));
+            // A layer takes none.
+            let takes = |index: &usize| scene.clouds[*index].layer.is_none();
+            let found = into.or(scene.clouds.len().checked_sub(1)).filter(takes);
+            let cloud = found.unwrap_or_else(|| push_cloud(scene));
             scene.clouds[cloud].ellipsoids.push(ellipsoid);
             let last = scene.clouds[cloud].ellipsoids.len() - 1;
             *selection = Selection::one(EllipsoidId { cloud, ellipsoid: last });

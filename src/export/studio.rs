@@ -81,7 +81,11 @@ impl Studio {
     pub fn shadows_of(&self, scene: &Scene, altitude: f64) -> Result<(DVec3, f64)> {
         let frame = Frame::towards_sun(scene, DVec3::ZERO, 1.0, 1)?;
         let (low, high) = frame.bounds().ok_or_else(|| {
-            Error::Argument("the scene has no cloud that is not hidden: nothing casts a shadow".to_owned())
+            Error::Argument(
+                "the scene has no cloud that is not hidden: nothing casts a shadow; layers have no end: tell middle and extent of the \
+                 square"
+                    .to_owned(),
+            )
         })?;
         let at = |y: f64| -frame.sun.to_sun * ((y - altitude) / frame.sun.to_sun.y);
         let corners = [low, high].map(|corner| [at(low.y), at(high.y)].map(|shift| corner + shift));

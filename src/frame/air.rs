@@ -8,8 +8,9 @@ use crate::scene::{self, Scene};
 const LIGHT_ALTITUDE: f64 = 1000.0;
 /// Steps of that altitude, m.
 const LIGHT_STEP: f64 = 25.0;
-/// Reach of the aerial volume, metres.
+/// Reach of the aerial volume, metres, and where there are layers, which go on to the horizon.
 pub(crate) const AERIAL_REACH: f32 = 60e3;
+const LAYER_REACH: f32 = 350e3;
 
 /// `Atmosphere` of `shaders/lib/air.wgsl`, which has the units.
 #[repr(C)]
@@ -93,7 +94,8 @@ impl SkySettings {
         let has_air = air.is_some();
         let air = air.unwrap_or_default();
         let rounded = |altitude: f64| LIGHT_STEP * (altitude / LIGHT_STEP).round();
-        let middle = scene.bounds().map(|(low, high)| 0.5 * (low.y + high.y) - scene.ground.altitude);
+        let has_layers = scene.layers().next().is_some();
+        let middle = middle(scene).map(|altitude| altitude - scene.ground.altitude);
         Self {
             atmosphere: has_air,
             uniform: SkyUniform {
@@ -106,12 +108,22 @@ impl SkySettings {
                 to_sun: to_sun.as_vec3(),
                 light_altitude: rounded(middle.unwrap_or(LIGHT_ALTITUDE)).max(0.0) as f32,
                 irradiance: vec3(scene.sun.irradiance),
-                aerial_reach: AERIAL_REACH,
+                aerial_reach: if has_layers { LAYER_REACH } else { AERIAL_REACH },
                 radiance: vec3(radiance),
                 padding: 0.0,
             },
         }
     }
+}
+
+/// Half the height of all clouds, m; of layers where there are no others.
+fn middle(scene: &Scene) -> Option<f64> {
+    let heights = || {
+        let all = scene.layers().map(|layer| (layer.base, layer.base + layer.thickness));
+        all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
+    let ends = scene.bounds().map(|(low, high)| (low.y, high.y));
+    ends.or_else(heights).map(|(low, high)| 0.5 * (low + high))
 }
 
 fn vec3(rgb: [f64; 3]) -> Vec3 {

@@ -19,7 +19,7 @@ use crate::{
     Error, Result,
     scene::{self, Scene},
 };
-use medium::Medium;
+use medium::{LayerShape, Medium};
 pub(crate) use shared::Shared;
 
 /// A scene at one moment, seen by one camera, for one size of picture.
@@ -67,6 +67,7 @@ impl Frame {
         let camera = moved.camera();
         for cloud in &mut moved.clouds {
             cloud.ellipsoids = cloud.visible().cloned().collect();
+            cloud.layer = cloud.layer.take().filter(|_| !cloud.hidden);
         }
         let sun = Sun {
             to_sun: moved.sun.to_sun(),
@@ -92,8 +93,8 @@ impl Frame {
     /// Where `size` has a zero.
     pub fn seen_by(&self, camera: &scene::Camera, size: [u32; 2]) -> Result<Self> {
         check_size(size)?;
-        let camera_position = camera.position;
-        Ok(Self { camera: CameraUniform::new(camera, self.ground, size), camera_position, ..self.clone() })
+        let uniform = CameraUniform::new(camera, self.ground, size);
+        Ok(Self { camera: uniform, ..self.clone() }.seen_at(camera.position))
     }
 
     /// The same picture in `size` pixels, which are as wide as high only where it has the same shape.
@@ -117,7 +118,18 @@ impl Frame {
     ) -> Result<Self> {
         check_size(size)?;
         let (camera, camera_position) = matrices::camera(clip_from_view, world_from_view, self.ground, size)?;
-        Ok(Self { camera, camera_position, ..self.clone() })
+        Ok(Self { camera, ..self.clone() }.seen_at(camera_position))
+    }
+
+    /// The same with the camera elsewhere, m: layers, which have no end, have their frames beside it.
+    fn seen_at(mut self, eye: DVec3) -> Self {
+        self.camera_position = eye;
+        for cloud in &mut self.clouds {
+            if let Some(layer) = &cloud.medium.layer {
+                cloud.origin = layer.origin_near(eye);
+            }
+        }
+        self
     }
 
     /// The same moment seen from the points of a horizontal square of `extent` metres around `center`
@@ -134,8 +146,7 @@ impl Frame {
             ));
         }
         frame.camera = CameraUniform::from_square(to_sun, extent, center.y - frame.ground, size);
-        frame.camera_position = center;
-        Ok(frame)
+        Ok(frame.seen_at(center))
     }
 
     /// Width and height of the picture, pixels.
@@ -143,9 +154,11 @@ impl Frame {
         self.camera.size.map(|x| x as u32)
     }
 
-    /// Least and greatest corner of the box around all clouds, m; `None` without clouds.
+    /// Least and greatest corner of the box around all clouds but layers, which have no end, m; `None`
+    /// without such clouds.
     pub(crate) fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        let boxes = self.clouds.iter().map(|cloud| (cloud.origin - cloud.half, cloud.origin + cloud.half));
+        let ends = self.clouds.iter().filter(|cloud| cloud.medium.layer.is_none());
+        let boxes = ends.map(|cloud| (cloud.origin - cloud.half, cloud.origin + cloud.half));
         boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 }
@@ -163,6 +176,11 @@ fn check_size(size: [u32; 2]) -> Result<()> {
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     let mut frames = Vec::new();
     for cloud in &scene.clouds {
+        if let Some(shape) = LayerShape::new(cloud, scene.ground.altitude) {
+            let (origin, half) = (shape.anchor(), shape.half());
+            let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);
+            frames.push(CloudFrame { origin, half, medium });
+        }
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
         let medium = Shared::new(Medium::new(cloud, &scene.noise, (min, max), origin)?);

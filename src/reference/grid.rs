@@ -4,7 +4,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use crate::frame::medium::{BodyUniform, EllipsoidUniform};
+use crate::frame::medium::{BodyUniform, EllipsoidUniform, LayerShape};
 
 /// `Cell` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -18,6 +18,12 @@ pub struct Cell {
 
 /// Most cells along an axis, and one more for rounding.
 const LONGEST: u32 = 256;
+
+/// Squares along a period of a layer: powers of two, about a quarter of its height, as far as there is room.
+fn layer_squares(half: Vec3) -> u32 {
+    let wanted = (4.0 * half.x / half.y).clamp(1.0, LONGEST as f32) as u32;
+    wanted.next_power_of_two().min(LONGEST)
+}
 
 /// The cells of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +59,30 @@ impl Grid {
         }
         grid.clear();
         grid
+    }
+
+    /// A grid over a period of a layer, which repeats along x and z as the layer does: as many cells as squares of the
+    /// field whose greatest values are known.
+    pub fn of_layer(layer: &LayerShape, body: &BodyUniform) -> Self {
+        let half = layer.half().as_vec3();
+        let squares = layer_squares(half);
+        let cell = 2.0 * half.x / squares as f32;
+        let high = ((2.0 * half.y / cell).ceil() as u32).max(1);
+        let size = UVec3::new(squares, high, squares);
+        let mut cells = Vec::new();
+        for z in 0..size.z {
+            for y in 0..size.y {
+                let (low, high) = (-half.y + y as f32 * cell, -half.y + (y + 1) as f32 * cell);
+                let most = layer.uniform.extinction * body.most_profile(high);
+                for x in 0..size.x {
+                    let square = [x, z].map(|i| f64::from(i) - 0.5 * f64::from(squares));
+                    let there = layer.reaches(square, f64::from(squares), [low, high]);
+                    let majorant = if there { most } else { 0.0 };
+                    cells.push(Cell { first: 0, count: u32::from(there), majorant, clear: 0 });
+                }
+            }
+        }
+        Self { low: -half, cell, size, cells, candidates: vec![0] }
     }
 
     fn push(&mut self, ellipsoids: &[EllipsoidUniform], bodies: &[BodyUniform], index: UVec3) {

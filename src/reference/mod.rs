@@ -12,10 +12,7 @@ use glam::{UVec3, Vec3};
 
 use crate::{
     Error, Result,
-    frame::{
-        Frame,
-        medium::{ELLIPSOIDS, World},
-    },
+    frame::{CameraUniform, Frame, medium::World},
     gpu::{self, ComputeProgram, Gpu},
     render::Sky,
 };
@@ -41,7 +38,8 @@ pub struct SceneUniform {
     pub(crate) altitude: f32,
     pub(crate) first: u32,
     pub(crate) rounds: u32,
-    padding: [u32; 2],
+    pub(crate) repeats: u32,
+    pub(crate) curvature: f32,
 }
 
 /// Bytes of the shader's `StoredPath`, and floats of its `Sum`.
@@ -129,8 +127,12 @@ impl PathTracer {
     /// # Errors
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
+        check_alone(frame)?;
         let world = World::new(frame);
-        let grid = Grid::new(&world.ellipsoids, &world.bodies, CELLS);
+        let grid = match &world.layer {
+            Some(layer) => Grid::of_layer(layer, &world.bodies[0]),
+            None => Grid::new(&world.ellipsoids, &world.bodies, CELLS),
+        };
         let uniform = SceneUniform {
             low: grid.low,
             cell: grid.cell,
@@ -144,7 +146,8 @@ impl PathTracer {
             altitude: (world.origin.y - frame.ground) as f32,
             first: 0,
             rounds: ROUNDS[0],
-            padding: [0; 2],
+            repeats: u32::from(world.layer.is_some()),
+            curvature: curvature(frame, &world),
         };
         let device = &gpu.device;
         let sky = prepared_sky(gpu, frame);
@@ -152,7 +155,7 @@ impl PathTracer {
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
         let ground = sky.has_atmosphere() && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
         let overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
-        let program = ComputeProgram::with_roles(device, "path", &[ELLIPSOIDS], &overrides);
+        let program = ComputeProgram::with_roles(device, "path", &[world.role()], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
         let sums = gpu::storage_buffer(device, "sums", &vec![[0.0f32; SUM_FLOATS]; threads]);
@@ -277,6 +280,25 @@ impl PathTracer {
         let estimate = Estimate { mean, error, samples };
         self.earlier.as_ref().map_or_else(|| Ok(estimate.clone()), |earlier| earlier.merged(&estimate))
     }
+}
+
+/// Half the curvature of the earth that a layer is seen over, 1/m.
+fn curvature(frame: &Frame, world: &World) -> f32 {
+    let flat = world.layer.is_none() || frame.camera.projection == CameraUniform::ORTHOGRAPHIC;
+    if flat { 0.0 } else { 0.5 / frame.sky.uniform.atmosphere.ground_radius }
+}
+
+/// A layer repeats itself, and other clouds do not.
+fn check_alone(frame: &Frame) -> Result<()> {
+    let layers = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_some()).count();
+    if layers > 0 && frame.clouds.len() > 1 {
+        return Err(Error::Argument(format!(
+            "a layer is path traced only by itself, and the scene shows {layers} layers among {} clouds: hide all but \
+             one layer, or the layers",
+            frame.clouds.len()
+        )));
+    }
+    Ok(())
 }
 
 /// Threads of a picture, if the device can hold their paths.

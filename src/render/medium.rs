@@ -7,7 +7,10 @@ use wgpu::{BindGroup, BindGroupLayout, TextureView};
 use crate::{
     frame::{
         Shared,
-        medium::{Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, Medium, Plan, upload_noise},
+        medium::{
+            Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, LAYER, LayerShape, Medium, Plan, Tile,
+            TileTextures, upload_noise,
+        },
     },
     gpu::{ComputeProgram, Role, Shader, view},
 };
@@ -25,6 +28,8 @@ pub(super) struct Media {
     pub baked: u32,
     layouts: HashMap<&'static str, BindGroupLayout>,
     bake: Option<ComputeProgram>,
+    /// Fields of layers.
+    tiles: Vec<(Shared<Tile>, TileTextures)>,
     /// By shape, with the last picture that each was in.
     volumes: HashMap<u64, (Volume, u64)>,
 }
@@ -47,6 +52,8 @@ struct Kept {
 
 /// Memory of all volumes of depths, bytes: shapes beyond it are asked, ellipsoid by ellipsoid.
 const MOST_BYTES: u64 = 256 << 20;
+/// Fields of layers that are kept.
+const MOST_TILES: usize = 8;
 /// Pictures for which what is not in them is kept.
 const KEPT_FOR: u64 = 2;
 
@@ -62,6 +69,7 @@ impl Media {
             baked: 0,
             layouts: HashMap::new(),
             bake: None,
+            tiles: Vec::new(),
             volumes: HashMap::new(),
         }
     }
@@ -81,7 +89,9 @@ impl Media {
 
     /// Plans the volumes of those `media` that have enough ellipsoids and none yet.
     pub fn plan<'a>(&mut self, media: impl Iterator<Item = &'a Medium>) {
-        for medium in media.filter(|medium| medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)) {
+        let many = u64::from(self.bake_from);
+        let has_many = |medium: &&Medium| medium.layer.is_none() && medium.ellipsoids.len() as u64 >= many;
+        for medium in media.filter(has_many) {
             let has_room = self.bytes() < MOST_BYTES;
             let planned = || match Plan::new(&medium.ellipsoids, medium.body.level).filter(|_| has_room) {
                 Some(plan) => Volume::Planned(Box::new(plan)),
@@ -93,13 +103,18 @@ impl Media {
 
     /// Whether a medium has a volume of depths.
     pub fn is_baked(&self, medium: &Medium) -> bool {
-        medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)
+        medium.layer.is_none()
+            && medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)
             && self.volumes.get(&medium.shape).is_some_and(|(volume, _)| !matches!(volume, Volume::Unsuited))
     }
 
     /// The module that fills the role of the medium.
     pub fn role(&self, medium: &Medium) -> Role<'static> {
-        if self.is_baked(medium) { DEPTH_VOLUME } else { ELLIPSOIDS }
+        match &medium.layer {
+            Some(_) => LAYER,
+            None if self.is_baked(medium) => DEPTH_VOLUME,
+            None => ELLIPSOIDS,
+        }
     }
 
     /// Makes what shaders bind for `medium`, where it is not there.
@@ -153,6 +168,10 @@ impl Media {
                 groups.into_iter().nth(1).flatten().expect("a medium binds what is there")
             })
             .clone();
+        if let Some(layer) = &medium.layer {
+            let tile = tile(&mut self.tiles, device, queue, layer);
+            return common.bind_layer(device, &layout, &layer.uniform, &tile);
+        }
         let Some((volume, _)) = self.volumes.get_mut(&medium.shape).filter(|_| role == DEPTH_VOLUME) else {
             return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);
         };
@@ -170,4 +189,20 @@ impl Media {
             }
         }
     }
+}
+
+/// The field of a layer on the device.
+fn tile(
+    known: &mut Vec<(Shared<Tile>, TileTextures)>,
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    layer: &LayerShape,
+) -> TileTextures {
+    if let Some((_, textures)) = known.iter().find(|(tile, _)| *tile == layer.tile) {
+        return textures.clone();
+    }
+    let textures = layer.tile.upload(device, queue);
+    known.truncate(MOST_TILES - 1);
+    known.insert(0, (layer.tile.clone(), textures.clone()));
+    textures
 }

@@ -1,18 +1,18 @@
-//! A cloud: ellipsoids that share their water.
+//! A cloud: ellipsoids that share their water, or a layer.
 
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Life, Noise, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, union};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
 const LEAST_SEEN: f64 = 0.2;
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
-/// A cloud: the union of its ellipsoids, filled with droplets of one kind.
+/// A cloud: the union of its ellipsoids, or a layer, filled with droplets of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloud {
@@ -25,6 +25,9 @@ pub struct Cloud {
     /// where `growth` says how they grow.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ellipsoids: Vec<Ellipsoid>,
+    /// A sheet or a deck to the horizon, in place of `ellipsoids` and `growth`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<Layer>,
     /// The water of the cloud.
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
@@ -70,6 +73,7 @@ impl Default for Cloud {
             name: String::new(),
             growth: None,
             ellipsoids: Vec::new(),
+            layer: None,
             droplets: Droplets::default(),
             edge: Edge::default(),
             blend: 0.5,
@@ -86,6 +90,11 @@ impl Default for Cloud {
 }
 
 impl Cloud {
+    /// A layer.
+    pub fn layered(name: &str, layer: Layer) -> Self {
+        Self { name: name.to_owned(), layer: Some(layer), ..Self::default() }
+    }
+
     /// A cloud that grows, with its ellipsoids.
     pub fn grown(name: &str, growth: Growth) -> Self {
         let mut cloud = Self { name: name.to_owned(), growth: Some(growth), ..Self::default() };
@@ -110,6 +119,9 @@ impl Cloud {
     pub fn shift(&mut self, offset: DVec3) {
         if let Some(noise) = &mut self.noise {
             noise.offset += offset;
+        }
+        if let Some(layer) = &mut self.layer {
+            layer.shift(offset);
         }
         match &mut self.growth {
             Some(growth) => {
@@ -140,6 +152,11 @@ impl Cloud {
         Some((low, high))
     }
 
+    /// Whether there is nothing of it.
+    pub fn is_empty(&self) -> bool {
+        self.ellipsoids.is_empty() && self.layer.is_none()
+    }
+
     /// The ellipsoids that pictures show.
     pub fn visible(&self) -> impl Iterator<Item = &Ellipsoid> {
         self.ellipsoids.iter().filter(|ellipsoid| !self.hidden && !ellipsoid.hidden)
@@ -160,6 +177,9 @@ impl Cloud {
 
     pub(super) fn check(&self, at: At) -> Result<()> {
         let list = at.field("ellipsoids");
+        if self.layer.is_some() {
+            self.check_alone(at)?;
+        }
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
             ellipsoid.check(list.index(i))?;
         }
@@ -173,6 +193,9 @@ impl Cloud {
         if let Some(growth) = &self.growth {
             growth.check(at.field("growth"))?;
         }
+        if let Some(layer) = &self.layer {
+            layer.check(at.field("layer"))?;
+        }
         at.field("blend").number(self.blend, SHARE)?;
         if let Some(level) = self.level {
             at.field("level").number(level, COORDINATE)?;
@@ -185,6 +208,23 @@ impl Cloud {
         }
         match &self.life {
             Some(life) => life.check(at.field("life")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that nothing is told that a layer does not have.
+    fn check_alone(&self, at: At) -> Result<()> {
+        let others = [
+            ("growth", self.growth.is_some(), "leave it out, or make a second cloud that grows"),
+            ("ellipsoids", !self.ellipsoids.is_empty(), "leave out one of them, or make two clouds"),
+            ("level", self.level.is_some(), "leave it out: the layer's `base` is where it begins"),
+            ("life", self.life.is_some(), "leave it out, and animate the layer's `coverage`"),
+            ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
+        ];
+        match others.into_iter().find(|(_, is_there, _)| *is_there) {
+            Some((name, _, way_out)) => Err(
+                at.problem(format!("it has both `layer` and `{name}`, which layers do not have: {way_out}"))
+            ),
             None => Ok(()),
         }
     }

@@ -12,6 +12,7 @@ mod evaporation;
 mod explain;
 mod file;
 mod growth;
+mod layer;
 mod life;
 mod moment;
 mod noise;
@@ -36,6 +37,7 @@ pub use ellipsoid::Ellipsoid;
 pub use evaporation::Evaporation;
 pub use file::schema;
 pub use growth::{Growth, GrowthKind};
+pub use layer::Layer;
 pub use life::Life;
 pub use noise::{Noise, Renewed};
 #[cfg(feature = "measure")]
@@ -143,7 +145,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Exact axis-aligned bounds of all ellipsoids at time 0, metres; `None` without ellipsoids.
+    /// Exact axis-aligned bounds of all ellipsoids at time 0, metres; `None` without ellipsoids. Layers
+    /// have none.
     pub fn bounds(&self) -> Option<Bounds> {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
@@ -159,6 +162,11 @@ impl Scene {
             Some(cloud.noise.as_ref().unwrap_or(&self.noise).scale_in(cloud.visible_bounds()?))
         };
         self.clouds.iter().filter_map(size).fold(0.0, f64::max)
+    }
+
+    /// The layers that are not hidden.
+    pub fn layers(&self) -> impl Iterator<Item = &Layer> {
+        self.clouds.iter().filter(|cloud| !cloud.hidden).filter_map(|cloud| cloud.layer.as_ref())
     }
 
     /// Everything that shapes boundaries: the scene's noise, and the clouds' own.

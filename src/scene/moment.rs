@@ -156,7 +156,7 @@ impl Scene {
                     // Two clouds, of which the denser one counts: one fades where the other is whole.
                     let mut coming = part(cloud, 2.0 * time / period, gone - round);
                     shear.lean(&mut coming.ellipsoids, time - period);
-                    successors.extend(Some(coming).filter(|coming| !coming.ellipsoids.is_empty()));
+                    successors.extend(Some(coming).filter(|coming| !coming.is_empty()));
                     *cloud = part(cloud, 2.0 * (1.0 - time / period), gone);
                     shear.lean(&mut cloud.ellipsoids, time);
                 }
@@ -237,6 +237,8 @@ fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Cloud {
     let mut part = cloud.clone();
     part.ellipsoids.retain(|_| there > 0.0);
     part.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
+    part.layer.iter_mut().for_each(|layer| layer.density *= there);
+    part.layer = part.layer.filter(|_| there > 0.0);
     part.blow(drift);
     part
 }
@@ -252,6 +254,7 @@ impl Cloud {
     /// Carries it by `drift`, m, and its own noise with it.
     fn blow(&mut self, drift: DVec3) {
         blow(&mut self.ellipsoids, drift);
+        self.layer.iter_mut().for_each(|layer| layer.shift(drift));
         self.level = self.level.map(|level| level + drift.y);
         if let Some(noise) = &mut self.noise {
             noise.offset += drift;

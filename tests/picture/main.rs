@@ -10,6 +10,7 @@ mod common;
 mod exposure;
 mod extremes;
 mod ground;
+mod layers;
 mod light_turns;
 mod march;
 mod media;

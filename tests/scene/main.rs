@@ -5,6 +5,7 @@ mod depth;
 mod growth;
 mod imports;
 mod imports_gltf;
+mod layers;
 mod optics;
 mod presets;
 #[cfg(all(feature = "export", feature = "import"))]

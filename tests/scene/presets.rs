@@ -46,6 +46,7 @@ fn presets_are_valid_and_of_moderate_size() {
                 Preset::Field => 5000..=MAX_ELLIPSOIDS,
                 Preset::Drift => 150..=2400,
                 Preset::Humilis => 100..=400,
+                _ if scene.layers().next().is_some() => 0..=0,
                 _ => 250..=2400,
             };
             assert!(expected.contains(&count), "{preset} {seed}: {count}");

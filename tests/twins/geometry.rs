@@ -244,13 +244,13 @@ pub fn twins() -> Vec<Twin> {
         Twin::new(
             "light_ray_at",
             "lighting",
-            "return vec4f(light_ray_at(LightRay(x[0].xyz, x[1].xyz, vec3f(0.0), Region(), Species()), x[0].w), 0.0);",
-            |x| three(xyz(x[0]) + x[0][3] * xyz(x[1])),
+            "return vec4f(light_ray_at(LightRay(x[0].xyz, x[1].xyz, vec3f(0.0), Region(), Species(), x[1].w), x[0].w), 0.0);",
+            |x| three(xyz(x[0]) + x[0][3] * xyz(x[1]) + x[1][3] * x[0][3] * x[0][3] * DVec3::Y),
         )
         .over("all", |random| {
             let t = random.log(1e-3, 1e6);
             let origin = random.log(1e-3, 1e5) * random.direction();
-            input([vector(origin, t), vector(random.direction(), 0.0)])
+            input([vector(origin, t), vector(random.direction(), random.between(0.0, 8e-8))])
         }),
     ]
 }

@@ -98,7 +98,7 @@ fn normal(x: &Wide) -> DVec3 {
 /// A field of 5 by 7 by 4 cells in WGSL.
 const FIELD: &str = "
     fn field() -> Field {
-        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(5u, 7u, 4u), 0.0, vec4f(0.0), vec4f(0.0));
+        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(5u, 7u, 4u), 0.0, vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
     }";
 
 pub fn twins() -> Vec<Twin> {
@@ -259,6 +259,26 @@ fn boxes() -> Vec<Twin> {
         .declaring(LEANING)
         .edges(corners())
         .over("all", boxed),
+        Twin::new(
+            "light_box_coordinate",
+            "light_box",
+            "var box = leaning(x); box.repeat = 0.75; return vec4f(light_box_coordinate(box, x[1].xyz), 0.0);",
+            |x| {
+                let inside = rows(x) * (xyz(x[1]) - xyz(x[0]));
+                // An eighth of the box stands on each side of what repeats itself.
+                let around = |u: f64| 0.125 + (u - 0.125).rem_euclid(0.75);
+                three(DVec3::new(around(inside.x), around(inside.y), inside.z))
+            },
+        )
+        .declaring(LEANING)
+        .over("repeating", |random| {
+            let mut x = boxed(random);
+            let at = [(); 3].map(|()| random.between(0.15, 0.85));
+            let of = x.map(|row| row.map(f64::from));
+            let p = xyz(of[0]) + at[0] * xyz(of[6]) + at[1] * xyz(of[7]) + at[2] * of[6][3] * along(&of);
+            x[1] = [p.x as f32, p.y as f32, p.z as f32, x[1][3]];
+            x
+        }),
         Twin::new(
             "light_box_point",
             "light_box",

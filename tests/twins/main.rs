@@ -19,6 +19,7 @@ mod definitions;
 mod geometry;
 mod grids;
 mod harness;
+mod layer;
 mod light;
 mod march;
 mod matter;
@@ -79,6 +80,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 fn twins() -> Vec<Twin> {
     [
         geometry::twins(),
+        layer::twins(),
         matter::twins(),
         scattering::twins(),
         slab::twins(),

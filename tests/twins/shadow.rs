@@ -32,8 +32,8 @@ fn placed(random: &mut Random) -> Input {
 }
 
 fn coordinate(x: &Wide) -> [f64; 3] {
-    let [u, v, s] = [1, 2, 3].map(|i| xyz(x[0]).dot(xyz(x[i])));
-    [(u - x[4][0]) * x[4][2], (v - x[4][1]) * x[4][2], s]
+    let [u, v] = [1, 2].map(|i| xyz(x[0]).dot(xyz(x[i])));
+    [(u - x[4][0]) * x[4][2], (v - x[4][1]) * x[4][2], -x[0][1]]
 }
 
 fn square(x: &Wide) -> Output {

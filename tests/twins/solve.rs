@@ -16,10 +16,10 @@ pub fn twins() -> Vec<Twin> {
 /// A field of 5 by 7 by 4 cells: corner, cell (w: truncated share), beam.
 const FIELD: &str = "
     fn made(x: array<vec4f, 8>) -> Field {
-        return Field(x[1].xyz, 48u, x[2].xyz, 1u, vec3u(5u, 7u, 4u), x[2].w, vec4f(0.0), vec4f(x[3].xyz, 1.0));
+        return Field(x[1].xyz, 48u, x[2].xyz, 1u, vec3u(5u, 7u, 4u), x[2].w, vec4f(0.0), vec4f(x[3].xyz, 1.0), 0u, 0u, 0u, 0u);
     }
     fn other() -> Field {
-        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(3u, 4u, 2u), 0.0, vec4f(0.0), vec4f(0.0));
+        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(3u, 4u, 2u), 0.0, vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
     }";
 
 fn field(random: &mut Random, first: [f64; 4]) -> Input {

@@ -52,9 +52,14 @@ impl Shadow {
         let scene = self.source.scene()?;
         let altitude = self.altitude.unwrap_or(scene.ground.altitude);
         let mut studio = Studio::new(&self.source.gpu()?, 2, false);
-        let (middle, across) = studio.shadows_of(&scene, altitude)?;
-        let center = self.center.map_or(middle, |[x, z]| DVec3::new(x, altitude, z));
-        let extent = self.extent.unwrap_or(across);
+        let told = self.center.map(|[x, z]| DVec3::new(x, altitude, z));
+        let (center, extent) = match (told, self.extent) {
+            (Some(center), Some(extent)) => (center, extent),
+            (center, extent) => {
+                let (middle, across) = studio.shadows_of(&scene, altitude)?;
+                (center.unwrap_or(middle), extent.unwrap_or(across))
+            }
+        };
         let shares = studio.sunlight_on(&scene, center, extent, self.size)?;
         match kind {
             "exr" => {

@@ -1,6 +1,7 @@
 //! The panels: one struct, one file each.
 
 mod growth;
+mod layer;
 mod object;
 mod outliner;
 mod outliner_row;

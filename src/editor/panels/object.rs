@@ -3,7 +3,7 @@
 use eframe::egui::{DragValue, Ui};
 use egui_phosphor::regular as icon;
 
-use super::{apply, growth::growth, hint, section};
+use super::{apply, growth::growth, hint, layer::layer, section};
 use crate::{
     editor::{
         Document, EllipsoidId,
@@ -40,9 +40,15 @@ impl ObjectPanel {
             section(ui, "Grow heaps", false, |ui| self.grow(ui, document));
         }
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
-        section(ui, "Growth", cloud.growth.is_some(), |ui| growth(ui, document, index, &cloud));
+        let is_layer = cloud.layer.is_some();
+        section(ui, "Layer", is_layer, |ui| layer(ui, document, index, &cloud));
+        if !is_layer {
+            section(ui, "Growth", cloud.growth.is_some(), |ui| growth(ui, document, index, &cloud));
+        }
         section(ui, "Noise", false, |ui| own_noise(ui, document, index, cloud.clone()));
-        section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
+        if !is_layer {
+            section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
+        }
         section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
     }
 
@@ -158,18 +164,11 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
     edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
     let default = Cloud::default();
-    form.number("Cloud.blend", "Blend", &mut cloud.blend, default.blend);
-    let mut flat = cloud.level.is_some();
-    form.check("Cloud.level", "Flat base", &mut flat, false);
-    let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
-    cloud.level = flat.then(|| cloud.level.unwrap_or(lowest));
-    if let Some(level) = &mut cloud.level {
-        form.slider("Cloud.level", "Altitude of the base", level, lowest, lowest - 500.0..=lowest + 500.0);
+    if cloud.layer.is_none() {
+        shape_rows(&mut form, &mut cloud);
     }
     form.number("Cloud.stratification", "Stratification", &mut cloud.stratification, default.stratification);
     form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
-    form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
-    form.number("Evaporation.base", "Veil at the base", &mut cloud.evaporation.base, 0.0);
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
     let change = form.changed();
@@ -178,6 +177,20 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
         hint(ui, &format!("{own} of {} ellipsoids have edges of their own.", cloud.ellipsoids.len()));
     }
     apply(document, change, |scene| scene.clouds[index] = cloud);
+}
+
+/// What layers do not have.
+fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud) {
+    form.number("Cloud.blend", "Blend", &mut cloud.blend, Cloud::default().blend);
+    let mut flat = cloud.level.is_some();
+    form.check("Cloud.level", "Flat base", &mut flat, false);
+    let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
+    cloud.level = flat.then(|| cloud.level.unwrap_or(lowest));
+    if let Some(level) = &mut cloud.level {
+        form.slider("Cloud.level", "Altitude of the base", level, lowest, lowest - 500.0..=lowest + 500.0);
+    }
+    form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
+    form.number("Evaporation.base", "Veil at the base", &mut cloud.evaporation.base, 0.0);
 }
 
 fn own_noise(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: Cloud) {

@@ -5,6 +5,8 @@
 mod body;
 mod depth_volume;
 mod ellipsoids;
+mod layer;
+mod layer_tile;
 mod noise;
 mod species;
 mod world;
@@ -18,6 +20,10 @@ pub(crate) use body::BodyUniform;
 pub(crate) use depth_volume::{BrickUniform, CELLS};
 pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, DepthVolumeUniform, Plan};
 pub(crate) use ellipsoids::EllipsoidUniform;
+pub(crate) use layer::{LAYER, LayerShape, LayerUniform};
+#[cfg(test)]
+pub(crate) use layer_tile::SQUARES;
+pub(crate) use layer_tile::{Tile, TileTextures};
 #[cfg(test)]
 pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
@@ -34,7 +40,7 @@ use crate::{
 };
 
 /// Modules that fill the role of the medium.
-pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME];
+pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME, LAYER];
 
 /// The medium as a union of ellipsoids.
 pub(crate) const ELLIPSOIDS: Role<'static> =
@@ -51,6 +57,8 @@ pub(crate) struct Medium {
     /// Their middles, m from the origin of the cloud's frame.
     centers: Vec<DVec3>,
     pub body: BodyUniform,
+    /// Its shape where it is a layer, and so has no ellipsoids.
+    pub layer: Option<LayerShape>,
     /// Its noise, the size of whose largest features is `scale`, m, as seen from `origin`.
     noise: scene::Noise,
     scale: f64,
@@ -64,6 +72,7 @@ impl PartialEq for Medium {
         self.fingerprint == other.fingerprint
             && self.ellipsoids == other.ellipsoids
             && self.body == other.body
+            && self.layer == other.layer
             && self.species == other.species
     }
 }
@@ -88,6 +97,7 @@ impl Medium {
             ellipsoids: ellipsoids.clone().map(|e| EllipsoidUniform::new(cloud, e, origin, steady)).collect(),
             centers: ellipsoids.map(|e| e.center - origin).collect(),
             body,
+            layer: None,
             noise,
             scale,
             origin,
@@ -105,6 +115,38 @@ impl Medium {
         hasher.write(bytemuck::bytes_of(&medium.body));
         medium.fingerprint = hasher.finish();
         Ok(medium)
+    }
+
+    /// What a layer is made of, in the frame whose origin is a corner of it. Its noise is that of its scene
+    /// where it has none, and repeats as the layer does.
+    ///
+    /// # Errors
+    /// Where its droplets have no phase function.
+    pub fn of_layer(cloud: &Cloud, shape: LayerShape, noise: &scene::Noise) -> Result<Self> {
+        let noise = cloud.noise.as_ref().unwrap_or(noise).clone();
+        let (species, origin) = (Species::of(&cloud.droplets)?, shape.anchor());
+        let scale = cloud.layer.as_ref().map_or(1.0, |layer| layer.billows(&noise));
+        let stretched = cloud.layer.as_ref().map_or(DVec3::ZERO, scene::Layer::lengthening);
+        let frame = NoiseFrame::repeating(&noise, scale, origin, shape.period, stretched);
+        let half = shape.half();
+        let level = Cloud { level: Some(origin.y - half.y), ..cloud.clone() };
+        let body = BodyUniform::new(&level, (-half, half), origin.y, frame, species.uniform(), false);
+        let mut hasher = DefaultHasher::new();
+        hasher.write(bytemuck::bytes_of(&shape.uniform));
+        hasher.write(bytemuck::bytes_of(&body));
+        let fingerprint = hasher.finish();
+        Ok(Self {
+            fingerprint,
+            shape: fingerprint,
+            ellipsoids: Vec::new(),
+            centers: Vec::new(),
+            body,
+            layer: Some(shape),
+            noise,
+            scale,
+            origin,
+            species,
+        })
     }
 
     /// Its ellipsoids moved by `offset`, m, in body `body` of a table.
@@ -128,8 +170,11 @@ impl Medium {
         place as u32
     }
 
-    /// Extinction of the densest ellipsoid, 1/m.
+    /// Extinction of the densest ellipsoid or of the layer, 1/m.
     pub fn densest(&self) -> f32 {
+        if let Some(layer) = &self.layer {
+            return layer.uniform.extinction;
+        }
         self.ellipsoids.iter().fold(0.0, |most, e| e.extinction.max(most))
     }
 }
@@ -190,6 +235,18 @@ impl Common {
         ellipsoids: &[EllipsoidUniform],
     ) -> wgpu::BindGroup {
         self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &[])
+    }
+
+    /// For `shaders/medium/layer.wgsl`.
+    pub fn bind_layer(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        layer: &LayerUniform,
+        tile: &TileTextures,
+    ) -> wgpu::BindGroup {
+        let rest = [wgpu::BindingResource::TextureView(&tile.field), tile.peaks.as_entire_binding()];
+        self.group(device, layout, &gpu::uniform_buffer(device, "layer", layer), &rest)
     }
 
     /// For `shaders/medium/depth_volume.wgsl`.

@@ -93,6 +93,32 @@ impl NoiseFrame {
     }
 }
 
+impl NoiseFrame {
+    /// The same where it repeats itself every `repeat` metres along x and z, and its features are longer along
+    /// `lengthening`, a unit vector times the logarithm of how many times: waves are turned and stretched to the
+    /// nearest ones that do. `origin` is a corner of a period.
+    pub fn repeating(
+        noise: &scene::Noise,
+        size: f64,
+        origin: DVec3,
+        repeat: f64,
+        lengthening: DVec3,
+    ) -> Self {
+        let mut frame = Self::new(noise, size, origin);
+        let share = 1.0 - (-lengthening.length()).exp();
+        let along = lengthening.normalize_or_zero();
+        let whole = |wave: f64| (wave * repeat).round() / repeat;
+        let fit = |row: &mut Vec4| {
+            let wave = row.truncate().as_dvec3();
+            let wave = wave - share * wave.dot(along) * along;
+            *row = DVec3::new(whole(wave.x), wave.y, whole(wave.z)).as_vec3().extend(row.w);
+        };
+        [&mut frame.coarse_x, &mut frame.coarse_y, &mut frame.coarse_z].into_iter().for_each(fit);
+        [&mut frame.fine_x, &mut frame.fine_y, &mut frame.fine_z].into_iter().for_each(fit);
+        frame
+    }
+}
+
 /// How far the noise is carried while a phase of it is seen, in its largest billows.
 const CARRIED: f64 = 1.0;
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec3Swizzles};
 
-use crate::frame::medium::EllipsoidUniform;
+use crate::frame::medium::{EllipsoidUniform, Medium};
 
 /// `LightBox` of `shaders/lib/light_box.wgsl`.
 #[repr(C)]
@@ -13,9 +13,9 @@ pub struct LightBox {
     pub(crate) row_u: Vec3,
     pub(crate) length: f32,
     pub(crate) row_v: Vec3,
-    padding_v: f32,
+    pub(crate) repeat: f32,
     pub(crate) row_w: Vec3,
-    padding_w: f32,
+    pub(crate) tiles: f32,
     pub(crate) edge_u: Vec3,
     padding_edge_u: f32,
     pub(crate) edge_v: Vec3,
@@ -23,6 +23,16 @@ pub struct LightBox {
     pub(crate) along: Vec3,
     padding_along: f32,
 }
+
+/// Voxels across a layer's box over those along it, and the least of them.
+const FLATTER: u32 = 16;
+const LEAST_ALONG: u32 = 16;
+/// Least share of the way along columns of a layer's box that goes down or up.
+const FLATTEST: f32 = 0.03;
+/// Share of the layer's height by which its box is higher.
+const MARGIN: f32 = 0.05;
+/// Most periods in a row: those beyond shade the far ground alone.
+const MOST_TILES: f64 = 33.0;
 
 /// Rows of the map to metres across and along a box whose columns lean: two axes of the
 /// frame with the lean taken out, and the way along the light.
@@ -95,7 +105,56 @@ impl LightBox {
         self
     }
 
+    /// The same with as many periods in a row as reach `reach` metres to each side, of a box that has any.
+    pub(in crate::render) fn repeated(mut self, reach: f64) -> Self {
+        let period = f64::from(self.repeat * self.edge_u.length());
+        self.tiles = if self.repeat > 0.0 {
+            (2.0 * (reach / period).ceil() + 1.0).min(MOST_TILES) as f32
+        } else {
+            1.0
+        };
+        self
+    }
+
+    /// The box around a medium with columns along `along`.
+    pub(super) fn around(medium: &Medium, along: Vec3, resolution: u32) -> Self {
+        match &medium.layer {
+            Some(layer) => Self::of_layer(layer.half().as_vec3(), along, resolution),
+            None => Self::new(&medium.ellipsoids, &[], along, resolution).0,
+        }
+    }
+
+    /// The box around a period of a layer of this half-extent, that repeats as the layer does; one texel wider on each
+    /// side, so that what is between texels is known there, too. Columns are no flatter than [`FLATTEST`].
+    fn of_layer(half: Vec3, along: Vec3, resolution: u32) -> Self {
+        let steep = along.y.abs().max(FLATTEST).copysign(if along.y > 0.0 { 1.0 } else { -1.0 });
+        let along = along.with_y(steep).normalize();
+        let lean = [along.x, along.z].map(|across| across / along.y);
+        let rows = [Vec3::new(1.0, -lean[0], 0.0), Vec3::new(0.0, -lean[1], 1.0)];
+        let texel = 2.0 * half.x / (resolution - 2) as f32;
+        let size = texel * resolution as f32;
+        let through = 2.0 * half.y / along.y.abs();
+        let start = -0.5 * (1.0 + MARGIN) * through;
+        let length = (1.0 + MARGIN) * through;
+        Self {
+            corner: (-half.x - texel) * Vec3::X + (-half.x - texel) * Vec3::Z + start * along,
+            texel,
+            row_u: rows[0] / size,
+            length,
+            row_v: rows[1] / size,
+            repeat: (resolution - 2) as f32 / resolution as f32,
+            row_w: Vec3::Y / (along.y * length),
+            edge_u: size * Vec3::X,
+            edge_v: size * Vec3::Z,
+            along,
+            ..bytemuck::Zeroable::zeroed()
+        }
+    }
+
     pub(super) fn voxels(&self, resolution: u32) -> [u32; 3] {
+        if self.repeat > 0.0 {
+            return [resolution, resolution, (resolution / FLATTER).max(LEAST_ALONG)];
+        }
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }

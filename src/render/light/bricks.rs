@@ -5,7 +5,7 @@
 use glam::{UVec3, Vec3};
 
 use super::boxes::LightBox;
-use crate::frame::medium::EllipsoidUniform;
+use crate::frame::medium::{EllipsoidUniform, Medium};
 
 /// Edge of a brick, voxels: that of `shaders/lib/light_box.wgsl`.
 pub(crate) const BRICK: u32 = 8;
@@ -23,8 +23,17 @@ pub(super) struct Bricks {
 type Reach = (UVec3, UVec3);
 
 impl Bricks {
+    /// Lists of what is of a medium in each brick of a box of `voxels`, x fastest: a layer is everywhere.
+    pub fn of(light_box: &LightBox, medium: &Medium, voxels: [u32; 3]) -> Self {
+        if medium.layer.is_none() {
+            return Self::new(light_box, &medium.ellipsoids, voxels);
+        }
+        let (_, bricks) = sizes(voxels);
+        Self { lists: vec![[0, 1]; bricks.element_product() as usize], candidates: vec![0] }
+    }
+
     /// Lists by brick of a box of `voxels`, x fastest.
-    pub fn new(light_box: &LightBox, ellipsoids: &[EllipsoidUniform], voxels: [u32; 3]) -> Self {
+    fn new(light_box: &LightBox, ellipsoids: &[EllipsoidUniform], voxels: [u32; 3]) -> Self {
         let (size, bricks) = sizes(voxels);
         let placed = (0..).zip(ellipsoids).flat_map(|(i, e)| {
             places(reach(light_box, e, size, bricks), bricks).map(move |place| (place, i))
@@ -44,14 +53,14 @@ impl Bricks {
         Self::sorted(placed.collect(), tiles.element_product())
     }
 
-    /// Lists of a cloud's own ellipsoids by brick, then of those of `others` by brick and by tile.
+    /// Lists of what is of a cloud's own by brick, then of those of `others` by brick and by tile.
     pub fn with_others(
         light_box: &LightBox,
-        own: &[EllipsoidUniform],
+        own: &Medium,
         others: &[EllipsoidUniform],
         voxels: [u32; 3],
     ) -> Self {
-        let own = Self::new(light_box, own, voxels);
+        let own = Self::of(light_box, own, voxels);
         own.and(Self::new(light_box, others, voxels)).and(Self::before(light_box, others, voxels))
     }
 

@@ -41,7 +41,8 @@ fn overlap(a: [f64; 2], b: [f64; 2]) -> bool {
 }
 
 /// For each cloud those others, in order, whose boxes may overlap it as seen along the light
-/// that goes along `along`, and that do not lie wholly behind it: never one too few.
+/// that goes along `along`, and that do not lie wholly behind it: never one too few. Layers, which have no end, are
+/// neither shaded by others nor do they shade them.
 pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
     let (across, aside) = along.any_orthonormal_pair();
     let ranges: Vec<_> =
@@ -51,7 +52,8 @@ pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
     let mut found = vec![Vec::new(); clouds.len()];
     for (place, &a) in order.iter().enumerate() {
         for &b in order[place + 1..].iter().take_while(|&&b| ranges[b][0][0] <= ranges[a][0][1]) {
-            if overlap(ranges[a][1], ranges[b][1]) {
+            let end = [a, b].iter().all(|&i| clouds[i].medium.layer.is_none());
+            if end && overlap(ranges[a][1], ranges[b][1]) {
                 for (shaded, shading) in [(a, b), (b, a)] {
                     if ranges[shading][2][0] <= ranges[shaded][2][1] {
                         found[shaded].push(shading as u32);

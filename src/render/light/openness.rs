@@ -38,7 +38,7 @@ impl OpennessPass {
             .entry(role.1)
             .or_insert_with(|| ComputeProgram::with_roles(device, "sky_volume", &[role], &[]));
         let volume = gpu::view(&volume(device, "sky volume", key.voxels));
-        let bricks = Bricks::new(&key.light_box, &key.medium.ellipsoids, key.voxels);
+        let bricks = Bricks::of(&key.light_box, &key.medium, key.voxels);
         let buffers = [
             gpu::uniform_buffer(device, "light box", &key.light_box),
             gpu::storage_buffer(device, "bricks", &bricks.lists),

@@ -79,12 +79,16 @@ pub(super) fn plan(
     camera: &CameraUniform,
     eye: DVec3,
 ) -> Vec<Option<Detail>> {
-    let largest = clouds.iter().map(|cloud| cloud.half.length()).fold(1e-6, f64::max);
+    let size = |cloud: &CloudFrame| match cloud.medium.layer {
+        Some(_) => f64::INFINITY,
+        None => cloud.half.length(),
+    };
+    let largest = clouds.iter().map(size).filter(|size| size.is_finite()).fold(1e-6, f64::max);
     let seen: Vec<_> = clouds
         .iter()
         .zip(in_view)
         .map(|(cloud, &seen)| {
-            let detail = Detail::full(quality, cloud.half.length() / largest);
+            let detail = Detail::full(quality, (size(cloud) / largest).min(1.0));
             seen.then(|| (detail, pixels(cloud, camera, eye)))
         })
         .collect();

@@ -19,6 +19,9 @@ use crate::{
     render::medium::Media,
 };
 
+/// Columns along an edge of a layer's box over those of other clouds: a period holds many heaps.
+const FINER_COLUMNS: u32 = 4;
+
 /// What a cloud's light is made for; where that is the same, so is the light.
 #[derive(Clone, PartialEq)]
 pub(super) struct Wanted {
@@ -34,11 +37,15 @@ impl Wanted {
     pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, others: &[Occluder<'_>], detail: Detail) -> Self {
         let medium = &cloud.medium;
         let sky_resolution = (detail.resolution / 4).clamp(8, 32);
+        let resolution = match medium.layer {
+            Some(_) => FINER_COLUMNS * detail.resolution,
+            None => detail.resolution,
+        };
         let field = |cells| FieldKey { medium: medium.clone(), cells };
         let needs = inputs.needs;
         let along = -inputs.to_sun.as_vec3();
         Self {
-            sun: needs.sun.then(|| SunKey::new(medium, others, along, detail.resolution, needs.maps)),
+            sun: needs.sun.then(|| SunKey::new(medium, others, along, resolution, needs.maps)),
             openness: (needs.openness(inputs.lit_by_sky))
                 .then(|| BoxKey::new(medium, Vec3::NEG_Y, sky_resolution)),
             field: needs.field.then(|| field(detail.cells)),

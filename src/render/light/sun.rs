@@ -26,7 +26,7 @@ pub(super) struct BoxKey {
 
 impl BoxKey {
     pub fn new(medium: &Shared<Medium>, along: Vec3, resolution: u32) -> Self {
-        let (light_box, _) = LightBox::new(&medium.ellipsoids, &[], along, resolution);
+        let light_box = LightBox::around(medium, along, resolution);
         Self { medium: medium.clone(), voxels: light_box.voxels(resolution), light_box }
     }
 }
@@ -51,7 +51,10 @@ impl SunKey {
         mapped: bool,
     ) -> Self {
         let (all, mut bodies) = Occluder::ellipsoids(others);
-        let (light_box, shading) = LightBox::new(&medium.ellipsoids, &all, along, resolution);
+        let (light_box, shading) = match &medium.layer {
+            Some(_) => (LightBox::around(medium, along, resolution), Vec::new()),
+            None => LightBox::new(&medium.ellipsoids, &all, along, resolution),
+        };
         if shading.is_empty() {
             bodies.clear();
         }
@@ -102,7 +105,7 @@ impl SunPass {
             let overrides = [("MAPPED", flag(key.mapped)), ("SHADED", flag(shaded))];
             ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
         });
-        let bricks = Bricks::with_others(light_box, &medium.ellipsoids, &key.shading, *voxels);
+        let bricks = Bricks::with_others(light_box, medium, &key.shading, *voxels);
         let uniform = gpu::uniform_buffer(device, "light box", light_box);
         let buffers = [
             gpu::storage_buffer(device, "bricks", &bricks.lists),

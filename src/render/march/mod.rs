@@ -52,7 +52,7 @@ pub struct CloudUniform {
     pub(crate) growth: f32,
     pub(crate) lit_at_once: f32,
     pub(crate) shadow_range: f32,
-    padding: f32,
+    pub(crate) curvature: f32,
     pub(crate) scene_depth: [f32; 4],
 }
 
@@ -276,6 +276,15 @@ fn species_place(
     })
 }
 
+/// Half the curvature of the earth that a cloud is seen over, 1/m: none for those that end, and none where
+/// lines of sight are parallel.
+fn curvature(frame: &Frame, cloud: &CloudFrame) -> f32 {
+    if cloud.medium.layer.is_none() || frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
+        return 0.0;
+    }
+    0.5 / frame.sky.uniform.atmosphere.ground_radius
+}
+
 fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
     let (frame, quality) = (shared.frame, &shared.settings.quality);
     CloudUniform {
@@ -297,7 +306,7 @@ fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
         growth: quality.growth,
         lit_at_once: quality.lit_at_once,
         shadow_range: shared.shadows.reach(),
-        padding: 0.0,
+        curvature: curvature(frame, cloud),
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
     }
 }

@@ -4,7 +4,10 @@
 
 use glam::{UVec2, Vec2, Vec3, Vec3A};
 
-use crate::frame::{CameraUniform, medium::EllipsoidUniform};
+use crate::frame::{
+    CameraUniform,
+    medium::{EllipsoidUniform, LayerShape},
+};
 
 const TILE: u32 = 16;
 /// Quarters of a tile are tiles of their own where one of them is empty, and quarters of those.
@@ -49,6 +52,23 @@ impl Cover {
                     (corner + start).min(size),
                     &all,
                 );
+            }
+        }
+        cover
+    }
+
+    /// Covers the picture where rays from `eye`, in the layer's frame, may meet a layer before the ground, over an
+    /// earth of half the curvature `bend`, 1/m.
+    pub(crate) fn of_layer(camera: &CameraUniform, eye: Vec3, layer: &LayerShape, bend: f32) -> Self {
+        let mut cover = Self::default();
+        let size = UVec2::new(camera.size[0] as u32, camera.size[1] as u32);
+        for y in (0..size.y).step_by(TILE as usize) {
+            for x in (0..size.x).step_by(TILE as usize) {
+                let min = UVec2::new(x, y);
+                let max = (min + TILE).min(size);
+                if may_meet(camera, eye, layer, bend, min, max) {
+                    cover.push(min, max, Vec::new());
+                }
             }
         }
         cover
@@ -105,6 +125,27 @@ struct View<'a> {
     eye: Vec3,
     ellipsoids: &'a [EllipsoidUniform],
     many: usize,
+}
+
+/// Whether a rectangle of the picture may see a layer. What it sees is bounded by horizons: of slopes, all above one
+/// or all below it meet the layer, so that the steepest two of the rectangle tell.
+fn may_meet(
+    camera: &CameraUniform,
+    eye: Vec3,
+    layer: &LayerShape,
+    bend: f32,
+    min: UVec2,
+    max: UVec2,
+) -> bool {
+    if camera.projection == CameraUniform::ORTHOGRAPHIC {
+        return true;
+    }
+    let corners = [min, UVec2::new(max.x, min.y), max, UVec2::new(min.x, max.y)];
+    let slopes = corners.map(|corner| camera.ray(corner.as_vec2() / Vec2::from(camera.size)).1.y);
+    let wide = (max - min).max_element() as f32 * camera.pixel;
+    let [low, high] =
+        [slopes.into_iter().fold(1.0, f32::min) - wide, slopes.into_iter().fold(-1.0, f32::max) + wide];
+    [low, high].into_iter().any(|slope| layer.is_met(eye.y, slope.clamp(-1.0, 1.0), bend))
 }
 
 /// Everything that a rectangle of the picture can see: inside four planes and in front.

@@ -24,6 +24,7 @@ pub struct Variant {
     ground: bool,
     peak: bool,
     absorbing: bool,
+    repeats: bool,
     light_nodes: u32,
     max_steps: u32,
 }
@@ -35,7 +36,7 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 11] {
+    pub fn overrides(&self) -> [(&'static str, f64); 13] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -48,6 +49,7 @@ impl Variant {
             ("NORMALS", flag(self.entry == "normals")),
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
+            ("REPEATS", flag(self.repeats)),
             ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
@@ -75,6 +77,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         ground: settings.ground && shared.sky.has_atmosphere() && lowest < shared.frame.ground,
         peak: lit && has_peak,
         absorbing: species.albedo < 1.0,
+        repeats: cloud.medium.layer.is_some(),
         light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),
         max_steps: settings.quality.max_steps,
     }

@@ -111,7 +111,11 @@ impl VoxelGrid {
 }
 
 fn empty() -> Error {
-    Error::Argument("the scene has no cloud that is not hidden: there is no density to write".to_owned())
+    Error::Argument(
+        "the scene has no cloud that is not hidden: there is no density to write (layers, which have no end, are left \
+         out)"
+            .to_owned(),
+    )
 }
 
 impl Voxels {

@@ -283,6 +283,10 @@ impl Renderer {
         let media = &self.media;
         let cover = |cloud: &CloudFrame| {
             let eye = (frame.camera_position - cloud.origin).as_vec3();
+            if let Some(layer) = &cloud.medium.layer {
+                let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
+                return Cover::of_layer(&frame.camera, eye, layer, bend);
+            }
             let many = if media.is_baked(&cloud.medium) { usize::MAX } else { MANY };
             let mut cover = Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many);
             if media.is_baked(&cloud.medium) {
@@ -323,9 +327,7 @@ impl Renderer {
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Vec<Draw> {
-        let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
-        let distance = |i: usize| (frame.clouds[i].origin - frame.camera_position).length();
-        order.sort_by(|&a, &b| distance(b).total_cmp(&distance(a)));
+        let order = far_to_near(frame);
         let (settings, sky, shadows, counters) = (&self.settings, &self.sky, &self.shadows, &self.counters);
         let view = View { frame, settings, depth, sky, shadows, counters, entry, format };
         self.march.prepare(&view, &order, &self.covers, &self.media, &mut self.lights)
@@ -346,6 +348,26 @@ impl Renderer {
             ..Default::default()
         })
     }
+}
+
+/// The clouds by number, far ones first. What is beyond a layer, in height, is farther than it, however near it is.
+fn far_to_near(frame: &Frame) -> Vec<usize> {
+    let eye = frame.camera_position;
+    let is_layer = |i: usize| frame.clouds[i].medium.layer.is_some();
+    let height = |i: usize| frame.clouds[i].origin.y - eye.y;
+    let layers: Vec<usize> = (0..frame.clouds.len()).filter(|&i| is_layer(i)).collect();
+    let before = |i: usize, layer: usize| {
+        let (far, near) = (height(i), height(layer));
+        layer != i && far.signum() == near.signum() && near.abs() < far.abs()
+    };
+    let layers_before = |i: usize| layers.iter().filter(|&&layer| before(i, layer)).count();
+    let distance = |i: usize| (frame.clouds[i].origin - eye).length();
+    let mut order: Vec<usize> = (0..frame.clouds.len()).collect();
+    order.sort_by(|&a, &b| {
+        let beyond = layers_before(b).cmp(&layers_before(a)).then(is_layer(b).cmp(&is_layer(a)));
+        beyond.then(distance(b).total_cmp(&distance(a)))
+    });
+    order
 }
 
 /// Submits what was recorded and waits for it: what it alone used is free again, and no

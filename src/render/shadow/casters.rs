@@ -16,6 +16,11 @@ pub(in crate::render) struct Caster {
 }
 
 impl Caster {
+    /// Whether it is a period of something that has no end.
+    pub(super) fn is_endless(&self) -> bool {
+        self.light_box.repeat > 0.0
+    }
+
     /// The corners of its box on the side of the light, in the world.
     pub(super) fn entries(&self) -> [DVec3; 4] {
         let LightBox { corner, edge_u, edge_v, .. } = self.light_box;
@@ -25,6 +30,9 @@ impl Caster {
 
 /// How far from the camera the air is shaded, m, in steps; no farther than the air itself shows.
 pub(super) fn reach(frame: &Frame, casters: &[Caster]) -> f64 {
+    if casters.iter().any(Caster::is_endless) {
+        return f64::from(AERIAL_REACH);
+    }
     let to_sun = frame.sun.to_sun;
     let end = |entry: DVec3, length: f32| {
         let down = ((entry.y - frame.ground) / to_sun.y).clamp(f64::from(length), LONGEST);
@@ -42,6 +50,9 @@ const LONGEST: f64 = 80e3;
 /// Whether the cloud or the beam of its shadow, down to the ground, may be in the picture: never false where it is.
 pub(in crate::render) fn may_shade(frame: &Frame, cloud: &CloudFrame) -> bool {
     let camera = &frame.camera;
+    if cloud.medium.layer.is_some() {
+        return true;
+    }
     if camera.projection != CameraUniform::PERSPECTIVE {
         return true;
     }
@@ -71,8 +82,7 @@ mod tests {
     #[test]
     fn shadows_that_fall_into_the_picture_are_told_from_those_that_do_not() {
         let mut scene = Preset::Sphere.scene(1);
-        scene.sun.azimuth_deg = 90.0;
-        scene.sun.elevation_deg = 45.0;
+        scene.sun.position = crate::scene::SunPosition::Angles { azimuth_deg: 90.0, elevation_deg: 45.0 };
         let seen = |offset: DVec3| {
             let mut scene = scene.clone();
             let camera = scene.camera();

@@ -1,5 +1,5 @@
 //! Where the map of the sun's light lies: squares across the beam, around all that casts shadows and, finer, around
-//! the camera; planes across the beam where there are clouds.
+//! the camera; level planes where there are clouds.
 
 use glam::{DVec3, Vec3, Vec4};
 
@@ -13,6 +13,8 @@ const PLANES: usize = 4 * LAYERS;
 const FINEST: f64 = 8.0;
 /// Most that the next square is finer by.
 const FINER: f64 = 8.0;
+/// How far around the camera a layer, which has no end, casts its shadow, m across the beam.
+pub(super) const ENDLESS: f64 = 32e3;
 /// Squares around the camera move in steps of this share of their edge.
 const STEP: f64 = 1.0 / 16.0;
 
@@ -54,7 +56,7 @@ pub(super) const NONE: SunMapUniform = SunMapUniform {
 pub(super) struct Square {
     corner: [f64; 2],
     edge: f64,
-    /// Where the first interval begins along the beam, and where each ends.
+    /// Depths below 0 at which the first interval begins, and each ends.
     cuts: [f64; PLANES + 1],
 }
 
@@ -67,7 +69,7 @@ pub(super) struct Layout {
     pub texels: u32,
 }
 
-/// What a caster takes of the map: extents across, aside and along the beam.
+/// What a caster takes of the map: extents across, aside and down.
 type Extents = [[f64; 2]; 3];
 
 impl Layout {
@@ -76,7 +78,7 @@ impl Layout {
         let along = -to_sun;
         let (across, aside) = along.any_orthonormal_pair();
         let axes = [across, aside, along];
-        let extents: Vec<_> = casters.iter().map(|caster| extents(caster, axes)).collect();
+        let extents: Vec<_> = casters.iter().map(|caster| extents(caster, axes, eye)).collect();
         let all = extents.iter().copied().reduce(|a, b| {
             std::array::from_fn(|axis| [a[axis][0].min(b[axis][0]), a[axis][1].max(b[axis][1])])
         })?;
@@ -100,7 +102,8 @@ impl Layout {
     /// The same as the shader takes it, seen from `eye`.
     pub fn uniform(&self, eye: DVec3, sun_radius: f32, reach: f64) -> SunMapUniform {
         let [across, aside, along] = self.axes;
-        let [u, v, s] = self.axes.map(|axis| eye.dot(axis));
+        let [u, v] = [across, aside].map(|axis| eye.dot(axis));
+        let s = -eye.y;
         let mut uniform = SunMapUniform {
             across: across.as_vec3(),
             squares: self.squares.len() as u32,
@@ -133,7 +136,7 @@ impl Square {
     }
 }
 
-fn extents(caster: &Caster, axes: [DVec3; 3]) -> Extents {
+fn extents(caster: &Caster, [across, aside, _]: [DVec3; 3], eye: DVec3) -> Extents {
     let entries = caster.entries();
     let of = |axis: DVec3| {
         let places = entries.map(|entry| entry.dot(axis));
@@ -142,8 +145,11 @@ fn extents(caster: &Caster, axes: [DVec3; 3]) -> Extents {
             places.into_iter().fold(f64::NEG_INFINITY, f64::max),
         ]
     };
-    let [u, v, s] = axes.map(of);
-    [u, v, [s[0], s[1] + f64::from(caster.light_box.length)]]
+    let [u, v, down] = [across, aside, DVec3::NEG_Y].map(of);
+    let thickness = f64::from(-caster.light_box.along.y * caster.light_box.length);
+    let around = |axis: DVec3| [eye.dot(axis) - ENDLESS, eye.dot(axis) + ENDLESS];
+    let [u, v] = if caster.is_endless() { [across, aside].map(around) } else { [u, v] };
+    [u, v, [down[0], down[1] + thickness]]
 }
 
 /// Cuts that part what `intervals` cover, gaps left out, into equal lengths.

@@ -5,7 +5,7 @@ use wgpu::TextureView;
 use super::{
     SQUARES, ShadowInputs,
     casters::Caster,
-    layout::{LAYERS, Layout, SunMapUniform},
+    layout::{ENDLESS, LAYERS, Layout, SunMapUniform},
 };
 use crate::gpu::{self, Pack, Shader};
 
@@ -36,11 +36,17 @@ impl Splat {
     ) -> TextureView {
         let device = inputs.device;
         let eye = inputs.frame.camera_position;
+        // Level, whatever way the square leans.
+        let reach = ENDLESS / inputs.frame.sun.to_sun.y;
+        let tiles = |caster: &Caster| caster.light_box.repeated(reach).tiles.powi(2) as u32;
         let mut pack = Pack::default();
         let map = pack.add(std::slice::from_ref(uniform));
         let boxes: Vec<_> = casters
             .iter()
-            .map(|caster| pack.add(&[caster.light_box.moved((caster.origin - eye).as_vec3())]))
+            .map(|caster| {
+                let light_box = caster.light_box.moved((caster.origin - eye).as_vec3()).repeated(reach);
+                pack.add(&[light_box])
+            })
             .collect();
         let buffer = pack.buffer(device, "sun map of clouds");
         let groups: Vec<_> = casters
@@ -61,9 +67,9 @@ impl Splat {
         for square in 0..layout.squares.len() as u32 {
             let mut pass = begin(encoder, lit, square, inputs);
             pass.set_pipeline(&self.pipeline);
-            for group in &groups {
+            for (group, caster) in groups.iter().zip(casters) {
                 pass.set_bind_group(0, group, &[]);
-                pass.draw(0..4, square..square + 1);
+                pass.draw(4 * square..4 * square + 4, 0..tiles(caster));
             }
         }
         view_of(lit)

@@ -1,5 +1,6 @@
 //! Clouds to start from, each with a camera and a sun that suit it.
 
+mod deck;
 mod drift;
 mod field;
 mod grow;
@@ -37,8 +38,8 @@ pub enum Preset {
     Congestus,
     /// Small torn shreds.
     Fractus,
-    /// A layer of stratocumulus in closed cells: flat patches with narrow gaps.
-    Stratocumulus,
+    /// Patches of stratocumulus in closed cells: flat, with narrow gaps.
+    ClosedCells,
     /// A layer of stratocumulus in open cells: rings around clear air.
     OpenCells,
     /// A thunderstorm of 10 km: tower, overshooting top, anvil with fibres, mammatus.
@@ -56,16 +57,28 @@ pub enum Preset {
     Kol,
     /// A loop of ten seconds: five fair-weather cumuli that form, drift and dissolve.
     Drift,
+    /// A low grey layer from horizon to horizon.
+    Stratus,
+    /// A layer of stratocumulus to the horizon: heaps side by side with gaps.
+    Stratocumulus,
+    /// A layer of altocumulus to the horizon: small heaps side by side.
+    Altocumulus,
+    /// A mackerel sky: ripples of thin cloud in rows.
+    Mackerel,
+    /// A veil of ice high up.
+    Cirrostratus,
+    /// Streaks of ice along the shear of the wind.
+    Cirrus,
 }
 
 impl Preset {
     /// All presets, in the order of their documentation.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 19] = [
         Self::Humilis,
         Self::Mediocris,
         Self::Congestus,
         Self::Fractus,
-        Self::Stratocumulus,
+        Self::ClosedCells,
         Self::OpenCells,
         Self::Cumulonimbus,
         Self::Tower,
@@ -74,6 +87,12 @@ impl Preset {
         Self::Sphere,
         Self::Kol,
         Self::Drift,
+        Self::Stratus,
+        Self::Stratocumulus,
+        Self::Altocumulus,
+        Self::Mackerel,
+        Self::Cirrostratus,
+        Self::Cirrus,
     ];
 
     /// The name in kebab-case, as on the command line.
@@ -83,7 +102,7 @@ impl Preset {
             Self::Mediocris => "mediocris",
             Self::Congestus => "congestus",
             Self::Fractus => "fractus",
-            Self::Stratocumulus => "stratocumulus",
+            Self::ClosedCells => "closed-cells",
             Self::OpenCells => "open-cells",
             Self::Cumulonimbus => "cumulonimbus",
             Self::Tower => "tower",
@@ -92,6 +111,12 @@ impl Preset {
             Self::Sphere => "sphere",
             Self::Kol => "kol",
             Self::Drift => "drift",
+            Self::Stratus => "stratus",
+            Self::Stratocumulus => "stratocumulus",
+            Self::Altocumulus => "altocumulus",
+            Self::Mackerel => "mackerel",
+            Self::Cirrostratus => "cirrostratus",
+            Self::Cirrus => "cirrus",
         }
     }
 
@@ -106,11 +131,12 @@ impl Preset {
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
         match self {
             Self::Glory => aim_at_glory(&mut scene),
-            Self::Stratocumulus => look_along_the_field(&mut scene),
+            Self::ClosedCells => look_along_the_field(&mut scene),
             Self::OpenCells => look_down_on_cells(&mut scene),
             Self::Field => look_over_the_land(&mut scene),
             Self::Sphere => scene.wind = Wind::default(),
             Self::Drift => drift::set_in_motion(&mut scene),
+            _ if scene.layers().next().is_some() => deck::look_up(&mut scene),
             _ => {}
         }
         if scene.camera.is_none() {
@@ -129,7 +155,7 @@ impl Preset {
             Self::Mediocris => grown(GrowthKind::Mediocris),
             Self::Congestus => grown(GrowthKind::Congestus),
             Self::Fractus => grown(GrowthKind::Fractus),
-            Self::Stratocumulus => grown(GrowthKind::ClosedCells),
+            Self::ClosedCells => grown(GrowthKind::ClosedCells),
             Self::OpenCells => grown(GrowthKind::OpenCells),
             Self::Cumulonimbus => grown(GrowthKind::Cumulonimbus),
             Self::Tower => vec![weather::cloud(self.name(), tower(seed))],
@@ -138,6 +164,12 @@ impl Preset {
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
             Self::Drift => drift::clouds(dice),
+            Self::Stratus
+            | Self::Stratocumulus
+            | Self::Altocumulus
+            | Self::Mackerel
+            | Self::Cirrostratus
+            | Self::Cirrus => deck::cloud(self, seed).into_iter().collect(),
         }
     }
 

@@ -238,6 +238,7 @@ fn shell(cloud: &Cloud) -> Cloud {
         name: cloud.name.clone(),
         growth: cloud.growth.clone(),
         ellipsoids: Vec::new(),
+        layer: cloud.layer.clone(),
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),
         blend: cloud.blend,

@@ -2,7 +2,10 @@
 
 use glam::{UVec3, Vec3, Vec4};
 
-use crate::{frame::medium::EllipsoidUniform, gpu};
+use crate::{
+    frame::medium::{EllipsoidUniform, Medium},
+    gpu,
+};
 
 /// `Field` of `shaders/lib/field.wgsl`.
 #[repr(C)]
@@ -16,8 +19,12 @@ pub struct FieldUniform {
     pub(crate) truncated: f32,
     pub(crate) scattering: Vec4,
     pub(crate) beam: Vec4,
+    pub(crate) repeats: u32,
+    pub(super) padding: [u32; 3],
 }
 
+/// Cells across a layer, at least, over those along it.
+const ACROSS: f32 = 0.25;
 /// Fewest cells along an axis.
 const FEWEST: u32 = 6;
 /// A box that holds the field of a cloud: its least corner and its extent, m.
@@ -25,17 +32,28 @@ const FEWEST: u32 = 6;
 pub(in crate::render::light) struct FieldBox {
     pub low: Vec3,
     pub extent: Vec3,
+    /// Whether it repeats itself along x and z.
+    pub repeats: bool,
 }
 
 impl FieldBox {
-    pub fn new(ellipsoids: &[EllipsoidUniform]) -> Self {
-        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
-        Self { low, extent: (high - low).max(Vec3::splat(1e-3)) }
+    /// The box of a cloud, or of a period of a layer.
+    pub fn new(medium: &Medium) -> Self {
+        if let Some(layer) = &medium.layer {
+            let half = layer.half().as_vec3();
+            return Self { low: -half, extent: 2.0 * half, repeats: true };
+        }
+        let (low, high) = EllipsoidUniform::bounds(&medium.ellipsoids);
+        Self { low, extent: (high - low).max(Vec3::splat(1e-3)), repeats: false }
     }
 
-    /// Cells along each axis, `most` along the longest: as near to cubes as they can be.
+    /// Cells along each axis, `most` along the longest: as near to cubes as they can be, but that layers, however
+    /// thin, have a share of them across.
     pub fn size(&self, most: u32) -> UVec3 {
-        let cells = most as f32 * self.extent / self.extent.max_element();
+        let mut cells = most as f32 * self.extent / self.extent.max_element();
+        if self.repeats {
+            cells.y = cells.y.max(ACROSS * most as f32);
+        }
         cells.round().as_uvec3().clamp(UVec3::splat(FEWEST.min(most)), UVec3::splat(most))
     }
 }

@@ -64,7 +64,10 @@ impl Field {
         eye: Vec4,
     ) {
         for light in [&mut self.sun].into_iter().chain(&mut self.sky) {
-            light.seen_from(&pass.view, device, encoder, eye);
+            match self.field_box.repeats {
+                true => light.kept_for_all(&pass.tile, device, encoder),
+                false => light.seen_from(&pass.view, device, encoder, eye),
+            }
         }
     }
 }
@@ -81,6 +84,8 @@ pub(super) struct FieldPass {
     keep: ComputeProgram,
     /// Of red, green and blue, and of the sun.
     view: [ComputeProgram; 2],
+    /// The same of layers.
+    tile: [ComputeProgram; 2],
     /// Radiance and source: one solution after another uses them, however many clouds there are.
     scratch: Option<[wgpu::Buffer; 2]>,
 }
@@ -114,6 +119,7 @@ impl FieldPass {
             restrict: program("moments_restrict", &[]),
             keep: program("moments_keep", &[]),
             view: [false, true].map(|sun| program("moments_view", &[("SUN", flag(sun))])),
+            tile: [false, true].map(|sun| program("moments_tile", &[("SUN", flag(sun))])),
             scratch: None,
         }
     }
@@ -145,7 +151,7 @@ impl FieldPass {
         };
         let sun = known_sun.unwrap_or_else(|| solve(Lights::Sun, key.cells));
         let sky = sky.map(|key| known_sky.unwrap_or_else(|| solve(Lights::Sky, key.cells)));
-        Field { field_box: FieldBox::new(&key.medium.ellipsoids), sun, sky }
+        Field { field_box: FieldBox::new(&key.medium), sun, sky }
     }
 
     /// Solves for `lights` in a medium, `most` cells along its longest axis.
@@ -159,10 +165,10 @@ impl FieldPass {
         lights: Lights,
     ) -> SolvedLight {
         let device = inputs.device;
-        let field_box = FieldBox::new(&medium.ellipsoids);
+        let field_box = FieldBox::new(medium);
         let numbers = u64::from(field_box.size(most).element_product() * lights.count()) * DIRECTIONS as u64;
         let scratch = self.scratch(device, numbers * size_of::<f32>() as u64);
-        let bricks = Bricks::new(&sun.light_box, &medium.ellipsoids, sun.voxels);
+        let bricks = Bricks::of(&sun.light_box, medium, sun.voxels);
         let role = media.role(medium);
         self.media
             .entry(role.1)

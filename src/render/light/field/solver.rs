@@ -229,6 +229,8 @@ impl Solver<'_> {
             truncated: species.albedo * species.ahead,
             scattering: Vec4::from(species.beyond_ahead()) * species.albedo,
             beam: beam.extend(is_sun),
+            repeats: u32::from(self.field_box.repeats),
+            padding: [0; 3],
         }
     }
 

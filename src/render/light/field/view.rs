@@ -23,6 +23,16 @@ pub(in crate::render::light) fn eye_of(camera: &CameraUniform, position: DVec3, 
     }
 }
 
+/// Texels of what is found on a level: one a cell, or for layers as `field_tile_place` of `lib/field.wgsl` has them.
+fn texels(level: &Level, lights: Lights) -> [u32; 3] {
+    let size = level.uniform.size;
+    if level.uniform.repeats == 0 {
+        return size.to_array();
+    }
+    let stacked = if lights == Lights::Sun { 4 } else { 3 };
+    [size.x + 2, stacked * size.y, size.z + 2]
+}
+
 /// The solution for one light, or for red, green and blue.
 pub(in crate::render::light) struct SolvedLight {
     lights: Lights,
@@ -32,7 +42,7 @@ pub(in crate::render::light) struct SolvedLight {
     pub(super) kept: wgpu::Buffer,
     /// What goes to the eye: of the sun to first order in the direction, or red, green and blue.
     pub view: TextureView,
-    /// Which eye that is.
+    /// Which eye that is; none yet where that is to be found.
     eye: Option<Vec4>,
 }
 
@@ -40,7 +50,7 @@ impl SolvedLight {
     /// Room for the solution on a level.
     pub(super) fn new(device: &wgpu::Device, level: &Level, lights: Lights) -> Self {
         let cells = cells(&level.uniform);
-        let texture = volume(device, "solved light", level.uniform.size.to_array());
+        let texture = volume(device, "solved light", texels(level, lights));
         Self {
             lights,
             cells,
@@ -54,6 +64,23 @@ impl SolvedLight {
     /// Memory that it takes, bytes.
     pub fn bytes(&self) -> u64 {
         self.kept.size() + 8 * u64::from(self.cells)
+    }
+
+    /// Finds what goes to all eyes at once: copies of a layer's cells are seen from everywhere.
+    pub(super) fn kept_for_all(
+        &mut self,
+        programs: &[ComputeProgram; 2],
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+    ) {
+        if self.eye.replace(Vec4::ZERO).is_some() {
+            return;
+        }
+        let program = &programs[usize::from(self.lights == Lights::Sun)];
+        let buffers = [&self.field, &self.kept].map(|buffer| Some(buffer.as_entire_binding()));
+        let view = wgpu::BindingResource::TextureView(&self.view);
+        let group = program.bind(device, &[buffers.to_vec(), vec![Some(view)]].concat());
+        program.dispatch_over(encoder, &[&group], [self.cells, 1, 1], None);
     }
 
     pub(super) fn seen_from(
