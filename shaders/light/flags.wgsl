@@ -6,3 +6,5 @@ override SKY_LIGHT: bool = true;
 override PEAK: bool = true;
 // Whether the particles absorb.
 override ABSORBING: bool = false;
+// Whether the cloud repeats itself, and with it what was solved for: that is then told for all directions.
+override REPEATS: bool = false;

@@ -9,9 +9,6 @@
 // What it leaves out, by scattering angle and optical depth.
 @group(2) @binding(6) var remainder: texture_2d<f32>;
 
-// Whether the field repeats itself: it then holds what goes to all directions.
-override REPEATS: bool = false;
-
 struct LightSum {
     sun: SunSum,
     multiple: vec3f,
