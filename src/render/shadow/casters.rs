@@ -83,18 +83,18 @@ mod tests {
     fn shadows_that_fall_into_the_picture_are_told_from_those_that_do_not() {
         let mut scene = Preset::Sphere.scene(1);
         scene.sun.position = crate::scene::SunPosition::Angles { azimuth_deg: 90.0, elevation_deg: 45.0 };
+        let ahead = DVec3::NEG_Z;
+        let position = DVec3::new(0.0, 2.0, 0.0);
+        scene.camera =
+            Some(crate::scene::Camera { position, target: position + 1e3 * ahead, ..scene.camera() });
         let seen = |offset: DVec3| {
             let mut scene = scene.clone();
-            let camera = scene.camera();
-            scene.camera = Some(crate::scene::Camera { position: DVec3::new(0.0, 2.0, 0.0), ..camera });
             for ellipsoid in &mut scene.clouds[0].ellipsoids {
                 ellipsoid.center = DVec3::new(0.0, 2000.0, 0.0) + offset;
             }
             let frame = Frame::new(&scene, [32, 18]).unwrap();
             may_shade(&frame, &frame.clouds[0])
         };
-        let ahead = scene.camera().world_from_camera() * DVec3::NEG_Z;
-        let ahead = DVec3::new(ahead.x, 0.0, ahead.z).normalize();
         assert!(seen(8e3 * ahead), "before the camera");
         assert!(!seen(-8e3 * ahead), "behind it");
         // From the east its shadow falls 2 km to the west of it.
