@@ -1,17 +1,18 @@
 //! How a game draws clouds into its own frame: its own device, its own linear colour and
 //! depth textures, its own geometry first; then the sky and the clouds, cut off where the
-//! geometry is. Here the geometry is one tall tower drawn by a shader of ten lines, and
-//! there is no window: the frame is written to `game.png`.
+//! geometry is. Here the geometry is one tall tower drawn by a shader of a few lines, which lies in
+//! the shadows of the clouds, and there is no window: the frame is written to `game.png`.
 //!
 //!     cargo run --release --example game
 
 use std::path::Path;
 
+use glam::DVec3;
 use nephos::{
     Result, export,
     gpu::{self, Gpu},
     render::{Frame, Quality, Renderer, SceneDepth, Target},
-    scene::{Preset, Scene},
+    scene::{Preset, Projection, Scene},
 };
 
 const SIZE: [u32; 2] = [960, 540];
@@ -21,13 +22,37 @@ const NEAR: f32 = 1.0;
 
 /// A tower that fills a strip of the picture, 700 m away. Reversed depth with an infinite
 /// far plane: depth = near / distance.
-const TOWER: &str = "
-    @vertex fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+const TOWER: &str = "// @use sun_map
+    struct Eye { right: vec4f, up: vec4f, forward: vec4f }
+    @group(0) @binding(0) var<uniform> eye: Eye;
+    @group(0) @binding(1) var<uniform> map: SunMap;
+    @group(0) @binding(2) var lit: texture_2d_array<f32>;
+    @group(0) @binding(3) var linear: sampler;
+
+    struct Corner { @builtin(position) position: vec4f, @location(0) point: vec3f }
+    @vertex fn vertex(@builtin(vertex_index) i: u32) -> Corner {
         let x = select(0.02, 0.14, (i & 1u) == 1u);
         let y = select(-1.0, 0.5, i > 1u);
-        return vec4f(x, y, 1.0 / 700.0, 1.0);
+        // In metres from the camera, as the map of the sun's light takes it.
+        let point = 700.0 * (eye.forward + x * eye.right + y * eye.up).xyz;
+        return Corner(vec4f(x, y, 1.0 / 700.0, 1.0), point);
     }
-    @fragment fn fragment() -> @location(0) vec4f { return vec4f(0.02, 0.02, 0.025, 1.0); }";
+    @fragment fn fragment(corner: Corner) -> @location(0) vec4f {
+        let sun = sun_map_light(map, lit, linear, corner.point);
+        return vec4f(vec3f(0.02, 0.02, 0.025) + sun * vec3f(0.05, 0.045, 0.04), 1.0);
+    }";
+
+/// How the tower's shader sees the camera: half the picture's width and height, and ahead.
+fn eye(scene: &Scene) -> [[f32; 4]; 3] {
+    let camera = scene.camera();
+    let half = match camera.projection {
+        Projection::Perspective { vertical_fov_deg } => (0.5 * vertical_fov_deg.to_radians()).tan(),
+        _ => unreachable!("the preset has a perspective camera"),
+    };
+    let wide = half * f64::from(SIZE[0]) / f64::from(SIZE[1]);
+    let axes = [wide * DVec3::X, half * DVec3::Y, DVec3::NEG_Z];
+    axes.map(|axis| (camera.world_from_camera() * axis).as_vec3().extend(0.0).to_array())
+}
 
 fn main() -> Result<()> {
     // What a game has anyway.
@@ -51,7 +76,16 @@ fn main() -> Result<()> {
     // ... the sky, ...
     clouds.render_sky(&mut encoder, &frame, &color_view);
     // ... the game's own geometry, ...
-    draw(&mut encoder, &tower, &color_view, &depth_view);
+    let map = clouds.sun_map().expect("the preset has clouds, air and a sun");
+    let eye = gpu::uniform_buffer(device, "eye", &eye(&scene));
+    let linear = gpu::linear_clamp(device);
+    let resources = [
+        eye.as_entire_binding(),
+        map.uniform.as_entire_binding(),
+        wgpu::BindingResource::TextureView(map.lit),
+        wgpu::BindingResource::Sampler(&linear),
+    ];
+    draw(&mut encoder, &tower, &bind(device, &tower, resources), &color_view, &depth_view);
     // ... the clouds, cut off by its depth, and the tone curve.
     let scene_depth = SceneDepth { view: &depth_view, near: NEAR, far: f32::INFINITY, reversed: true };
     let target = Target { color: &color_view, depth: Some(scene_depth), sky: false };
@@ -67,7 +101,7 @@ fn main() -> Result<()> {
 fn tower(device: &wgpu::Device) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("tower"),
-        source: wgpu::ShaderSource::Wgsl(TOWER.into()),
+        source: wgpu::ShaderSource::Wgsl(gpu::link(TOWER, &[]).into()),
     });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("tower"),
@@ -101,9 +135,21 @@ fn tower(device: &wgpu::Device) -> wgpu::RenderPipeline {
     })
 }
 
+fn bind(
+    device: &wgpu::Device,
+    pipeline: &wgpu::RenderPipeline,
+    resources: [wgpu::BindingResource<'_>; 4],
+) -> wgpu::BindGroup {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+    let layout = &pipeline.get_bind_group_layout(0);
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("tower"), layout, entries: &entries })
+}
+
 fn draw(
     encoder: &mut wgpu::CommandEncoder,
     pipeline: &wgpu::RenderPipeline,
+    group: &wgpu::BindGroup,
     color: &wgpu::TextureView,
     depth: &wgpu::TextureView,
 ) {
@@ -123,5 +169,6 @@ fn draw(
         ..Default::default()
     });
     pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, group, &[]);
     pass.draw(0..4, 0..1);
 }
