@@ -16,9 +16,9 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BLOCK_EDGE, BLOCK_VOXELS, BRICK, BlockUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
-        LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
-        resolve_uniform,
+        BLOCK_EDGE, BLOCK_VOXELS, BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform,
+        FieldUniform, LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile,
+        Transport, VoxelsUniform, resolve_uniform,
     },
     scene::{Tone, ToneCurve},
 };
@@ -62,7 +62,8 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 19] = [
+    let cases: [(&str, &str, Layout); 20] = [
+        ("sun_map", "Caster", layout!(CasterUniform: light_box, tiles, turning)),
         (
             "sky",
             "SunMap",
@@ -91,7 +92,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "LightBox",
-            layout!(LightBox: corner, texel, row_u, length, row_v, repeat, row_w, tiles, edge_u, edge_v, along),
+            layout!(LightBox: corner, texel, row_u, length, row_v, repeat, row_w, edge_u, edge_v, along),
         ),
         (
             "march",

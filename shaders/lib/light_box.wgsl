@@ -15,8 +15,7 @@ struct LightBox {
     // Share of the box across that repeats itself, in the middle of it; 0 where none does.
     repeat: f32,
     row_w: vec3f,
-    // Periods in a row where the box stands for them, in the map of the sun's light.
-    tiles: f32,
+    padding_w: f32,
     // Edges across, m.
     edge_u: vec3f,
     padding_edge_u: f32,

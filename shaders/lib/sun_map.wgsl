@@ -1,5 +1,6 @@
 // Transmittance of all clouds along the sun's beam, seen from the sun: squares across the beam, each finer than the
-// one before, with the share of light at level planes, four in a texel of each layer. Planes are level because the
+// one before, with the share of light at level planes, four in a texel of each layer; the last place of
+// them holds what reaches the ground in all, scattered light too. Planes are level because the
 // clouds of a sky share their heights, however low the sun stands. Between planes light is linear in height; it is light, not optical depth, that is kept and filtered, so that the mean light on the ground is right
 // however coarse a texel is.
 //
@@ -55,6 +56,19 @@ fn sun_map_through(optical_depth: f32) -> f32 {
     return exp(-optical_depth);
 }
 
+// Share of sunlight that comes out below a broad cloud in all, straight or scattered: Joseph, Wiscombe and Weinman,
+// "The delta-Eddington approximation", J. Atmos. Sci. 33, 1976, without absorption and over black ground; `optical_depth` is told
+// along the beam of elevation sine `mu`, and `turning` is 1 less the asymmetry.
+fn sun_map_whole(optical_depth: f32, mu: f32, turning: f32) -> f32 {
+    let entering = 2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * exp(-optical_depth);
+    return entering / (4.0 / 3.0 + turning * mu * optical_depth);
+}
+
+// The planes of a texel: the last place of the last layer is none, and repeats the one before.
+fn sun_map_planes(texel: vec4f, layer: u32) -> vec4f {
+    return select(texel, texel.xyzz, layer + 1u == SUN_MAP_LAYERS);
+}
+
 // Light at a place of one square.
 fn sun_map_in(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, square: u32, at: vec3f) -> f32 {
     var place = map.place;
@@ -64,7 +78,7 @@ fn sun_map_in(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, square: 
     var light = 1.0;
     for (var i = 0u; i < SUN_MAP_LAYERS; i++) {
         let layer = SUN_MAP_LAYERS * square + i;
-        let through = textureSampleLevel(lit, linear, at.xy, layer, 0.0);
+        let through = sun_map_planes(textureSampleLevel(lit, linear, at.xy, layer, 0.0), i);
         light += dot(through - vec4f(before, through.xyz), sun_map_passed(begin, planes[layer], at.z));
         begin = planes[layer].w;
         before = through.w;
@@ -98,7 +112,7 @@ fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, sq
     var sum = vec2f(0.0);
     for (var i = 0u; i < SUN_MAP_LAYERS; i++) {
         let layer = SUN_MAP_LAYERS * square + i;
-        let through = textureSampleLevel(lit, linear, at.xy, layer, 0.0);
+        let through = sun_map_planes(textureSampleLevel(lit, linear, at.xy, layer, 0.0), i);
         let taken = max(vec4f(before, through.xyz) - through, vec4f(0.0)) + 1e-4;
         let middle = 0.5 * (vec4f(begin, planes[layer].xyz) + planes[layer]);
         sum += vec2f(dot(taken, at.z - middle), dot(taken, vec4f(1.0)));
@@ -108,17 +122,27 @@ fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, sq
     return max(sum.x / sum.y, 0.0) / -map.along.y;
 }
 
-// The same as `sun_map_light` on ground that lies behind all clouds, with the penumbra of the sun's disc.
-fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> f32 {
+// How far light that a cloud scatters down spreads about the foot of its beam, as a share of the way there.
+const SPREAD: f32 = 0.7;
+
+// Light on level ground behind all clouds, as shares of what it has without them: the sun's own, with the penumbra of
+// its disc, and what clouds scatter down.
+fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> vec2f {
     var place = map.place;
     let square = sun_map_square(map, p);
     let known = min(square, SUN_MAP_SQUARES - 1u);
     let at = sun_map_coordinate(map, place[known], p);
-    let radius = map.sun_radius * sun_map_distance(map, lit, linear, known, at) * place[known].z;
-    var light = 0.0;
+    let way = sun_map_distance(map, lit, linear, known, at);
+    let radius = map.sun_radius * way * place[known].z;
+    // Light spreads far: the coarsest square does for it.
+    let whole = sun_map_coordinate(map, place[0], p);
+    let spread = SPREAD * way * place[0].z;
+    var light = vec2f(0.0);
     for (var tap = 0u; tap < TAPS; tap++) {
-        let uv = at.xy + radius * disc_tap(tap);
-        light += textureSampleLevel(lit, linear, uv, SUN_MAP_LAYERS * (known + 1u) - 1u, 0.0).w;
+        let near = at.xy + radius * disc_tap(tap);
+        let wide = textureSampleLevel(lit, linear, whole.xy + spread * disc_tap(tap), SUN_MAP_LAYERS - 1u, 0.0);
+        light.x += textureSampleLevel(lit, linear, near, SUN_MAP_LAYERS * (known + 1u) - 1u, 0.0).z;
+        light.y += max(wide.w - wide.z, 0.0);
     }
-    return select(1.0, light / f32(TAPS), square < map.squares);
+    return select(vec2f(1.0, 0.0), light / f32(TAPS), square < map.squares);
 }

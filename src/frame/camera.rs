@@ -22,6 +22,9 @@ pub struct CameraUniform {
     pub(super) padding: [f32; 2],
 }
 
+/// Projection, and the axes of the picture.
+pub(crate) type Rays = (u32, [Vec3; 3]);
+
 impl CameraUniform {
     pub(crate) const PERSPECTIVE: u32 = 0;
     pub(crate) const ORTHOGRAPHIC: u32 = 1;
@@ -86,6 +89,11 @@ impl CameraUniform {
     pub(crate) fn resized(self, [width, height]: [u32; 2]) -> Self {
         let size = [width as f32, height as f32];
         Self { pixel: self.pixel * self.size[1] / size[1], size, ..self }
+    }
+
+    /// What the rays of a picture are, whatever its size.
+    pub(crate) fn rays(&self) -> Rays {
+        (self.projection, [self.right, self.up, self.forward])
     }
 
     pub(crate) fn jittered(mut self, on: bool) -> Self {

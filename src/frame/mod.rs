@@ -13,6 +13,7 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 pub(crate) use air::AERIAL_REACH;
 pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use camera::CameraUniform;
+pub(crate) use camera::Rays;
 pub use medium::{MEDIA, NOISE_SIZE, bake_noise};
 
 use crate::{

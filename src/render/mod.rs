@@ -33,7 +33,7 @@ pub use quality::Quality;
 pub use settings::Settings;
 pub use shadow::SunMap;
 #[cfg(test)]
-pub(crate) use shadow::SunMapUniform;
+pub(crate) use shadow::{CasterUniform, SunMapUniform};
 pub use sky::{Redone, Sky};
 
 pub use crate::frame::Frame;

@@ -29,6 +29,8 @@ fn drawn(renderer: &mut Renderer, scene: &Scene) -> Picture {
 fn at_once(lights_at_once: u32) -> Renderer {
     let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
     renderer.settings.lights_at_once = lights_at_once;
+    // What is made for shadows would be counted as well: tests/picture/shadows.rs has theirs.
+    renderer.settings.shadows = false;
     renderer
 }
 

@@ -18,8 +18,18 @@ use nephos::{
 
 const SIZE: [u32; 2] = [64, 36];
 
-/// The sun's light at points of the ground below a scene's clouds, by the map that the last picture left.
+/// The sun's light at points below a scene's clouds, by the map that the last picture left.
 fn light_at(renderer: &Renderer, camera: DVec3, points: &[DVec3], soft: bool) -> Vec<f32> {
+    let light = if soft {
+        "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0, 0.0)"
+    } else {
+        "vec4f(sun_map_light(map, lit, linear, x[0].xyz))"
+    };
+    read_at(renderer, camera, points, light).into_iter().map(|value| value[0]).collect()
+}
+
+/// What this expression over `map`, `lit`, `linear` and x[0] has at points.
+fn read_at(renderer: &Renderer, camera: DVec3, points: &[DVec3], expression: &str) -> Vec<[f32; 4]> {
     let map = renderer.sun_map().expect("clouds cast shadows");
     let inputs: Vec<_> = points.iter().map(|p| [(*p - camera).as_vec3().extend(0.0).to_array()]).collect();
     let linear = nephos::gpu::linear_clamp(&gpu().device);
@@ -32,10 +42,7 @@ fn light_at(renderer: &Renderer, camera: DVec3, points: &[DVec3], soft: bool) ->
         @group(0) @binding(2) var<storage, read> map: SunMap;
         @group(0) @binding(3) var lit: texture_2d_array<f32>;
         @group(0) @binding(4) var linear: sampler;";
-    let function = if soft { "sun_map_ground" } else { "sun_map_light" };
-    let body = format!("return vec4f({function}(map, lit, linear, x[0].xyz));");
-    let light = common::evaluate_bound("sun_map", declarations, &body, &inputs, &resources);
-    light.into_iter().map(|value| value[0]).collect()
+    common::evaluate_bound("sun_map", declarations, &format!("return {expression};"), &inputs, &resources)
 }
 
 /// Middles of the pixels of `Studio::sunlight_on`.
@@ -83,6 +90,57 @@ fn light_on_the_ground_is_that_of_pictures_from_the_sun() {
             assert!(rms <= 0.02, "{preset:?} at {elevation} degrees: rms {rms}");
             assert!(off.abs() <= 0.004, "{preset:?} at {elevation} degrees: mean off by {off}");
         }
+    }
+}
+
+/// A layer under a sun 40 degrees high, and what of its light reaches the ground in a square of 6 km: straight, and
+/// scattered down.
+fn below_layer(layer: &str) -> (Scene, DVec3, Vec<[f32; 4]>) {
+    let scene = sunlit(
+        scene(&format!(
+            r#"{{"clouds": [{{"layer": {layer}, "edge": {{"boundary": 0}},
+                "droplets": {{"concentration_per_cm3": 20, "effective_radius_um": 8}}}}]}}"#
+        )),
+        40.0,
+    );
+    let mut renderer = renderer(Quality::PREVIEW, Transport::SINGLE);
+    draw(&mut renderer, &scene, SIZE, true);
+    let center = DVec3::new(500.0, 0.0, -300.0);
+    let points = ground(center, 6e3, 4 * POINTS_BELOW);
+    let light = "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0, 0.0)";
+    let light = read_at(&renderer, scene.camera().position, &points, light);
+    (scene, center, light)
+}
+
+const POINTS_BELOW: u32 = 24;
+
+#[test]
+fn a_deck_lets_through_to_the_ground_what_its_opacity_leaves() {
+    let (scene, center, light) =
+        below_layer(r#"{"base": 800, "thickness": 200, "coverage": 0.5, "scale": 700, "heaps": 1}"#);
+    let wanted = Studio::new(gpu(), 2, false).sunlight_on(&scene, center, 6e3, 2 * POINTS_BELOW).unwrap();
+    let mean = |values: &mut dyn Iterator<Item = f32>| {
+        let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + f64::from(value), count + 1));
+        sum / f64::from(count)
+    };
+    let (got, wanted) = (mean(&mut light.iter().map(|v| v[0])), mean(&mut wanted.iter().copied()));
+    println!("{got:.4} for {wanted:.4}");
+    assert!((0.3..0.9).contains(&wanted), "{wanted}");
+    assert!((got - wanted).abs() < 0.02, "{got} for {wanted}");
+}
+
+#[test]
+fn below_an_even_sheet_the_ground_has_the_light_of_two_streams() {
+    let (scene, _, light) =
+        below_layer(r#"{"base": 800, "thickness": 100, "coverage": 1, "heaps": 0, "bulge": 0}"#);
+    let mu = scene.sun.to_sun().y;
+    for value in &light {
+        let [straight, scattered, ..] = value.map(f64::from);
+        // Optical depth along the beam, and the share that turns: droplets of 8 um without the peak.
+        let (depth, turning) = (-straight.ln(), 1.0 - 0.74);
+        let whole = (2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * straight) / (4.0 / 3.0 + turning * mu * depth);
+        assert!((0.02..0.9).contains(&straight), "{straight}");
+        assert!((straight + scattered - whole).abs() < 0.03, "{straight} and {scattered} for {whole}");
     }
 }
 
@@ -244,6 +302,25 @@ fn the_map_outlives_a_turn_of_the_camera_and_changes_with_the_sun() {
     assert_eq!(made(&scene), 2, "the air before the camera and its shadow");
     scene.sun.position = SunPosition::Angles { azimuth_deg: 250.0, elevation_deg: 40.0 };
     assert!(made(&scene) > 2, "sun volume, map, air");
+}
+
+#[test]
+fn a_cloud_that_leaves_the_picture_keeps_its_light_for_its_shadow_and_for_later() {
+    let mut scene = ball();
+    let position = DVec3::new(0.0, 2.0, 0.0);
+    let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
+    let mut made = |scene: &Scene| {
+        let before = renderer.light_updates();
+        draw(&mut renderer, scene, SIZE, true);
+        renderer.light_updates() - before
+    };
+    let (ball, beside) = (DVec3::new(0.0, 1500.0, -2000.0), DVec3::new(1788.0, 300.0, -2000.0));
+    seen_from(&mut scene, position, ball);
+    assert!(made(&scene) > 5);
+    for target in [beside, ball] {
+        seen_from(&mut scene, position, target);
+        assert_eq!(made(&scene), 2, "the air before the camera and its shadow");
+    }
 }
 
 #[test]

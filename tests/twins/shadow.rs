@@ -95,6 +95,25 @@ pub fn twins() -> Vec<Twin> {
         .over("all", placed),
         Twin::new("sun_map_passed", "sun_map", "return sun_map_passed(x[1].x, x[0], x[1].y);", passed)
             .over("all", planes),
+        Twin::new("sun_map_planes", "sun_map", "return sun_map_planes(x[0], u32(x[1].x));", |x| {
+            let [a, b, c, d] = x[0];
+            [a, b, c, if x[1][0] > 2.5 { c } else { d }]
+        })
+        .exact()
+        .edges(vec![
+            input([[1.0, 2.0, 3.0, 4.0], [2.0, 0.0, 0.0, 0.0]]),
+            input([[1.0, 2.0, 3.0, 4.0], [3.0, 0.0, 0.0, 0.0]]),
+        ]),
+        // Two streams: what comes out below is what went in, less what goes up again.
+        Twin::new("sun_map_whole", "sun_map", "return vec4f(sun_map_whole(x[0].x, x[0].y, x[0].z));", |x| {
+            let [depth, mu, turning, _] = x[0];
+            let upright = mu * depth;
+            one(((2.0 / 3.0 + mu) + (2.0 / 3.0 - mu) * (-upright / mu).exp())
+                / (4.0 / 3.0 + turning * upright))
+        })
+        .over("all", |random| {
+            scalars([random.log(1e-3, 1e3), random.between(0.05, 1.0), random.between(0.1, 1.9)])
+        }),
         Twin::new("sun_map_through", "sun_map", "return vec4f(sun_map_through(x[0].x));", |x| {
             one((-x[0][0]).exp())
         })

@@ -320,8 +320,9 @@ impl Canvas {
     /// Sets the renderer for a stage; what it is to draw.
     fn frame(&mut self, stage: Stage, size: [u32; 2]) -> Result<Frame> {
         let Some(subject) = &self.subject else { unreachable!("there is a subject to draw") };
-        let Quality { light_resolution, light_cells, .. } = self.light;
-        self.renderer.settings.quality = Quality { light_resolution, light_cells, ..stage.quality() };
+        let Quality { light_resolution, light_cells, shadow_texels, .. } = self.light;
+        self.renderer.settings.quality =
+            Quality { light_resolution, light_cells, shadow_texels, ..stage.quality() };
         self.renderer.settings.lights_at_once = self.lighting.count();
         let known = self.moment.take().filter(|(scene, _)| Arc::ptr_eq(scene, &subject.scene));
         let made = || Ok::<_, Error>((subject.scene.clone(), subject.frame(size)?));

@@ -15,7 +15,7 @@ pub struct LightBox {
     pub(crate) row_v: Vec3,
     pub(crate) repeat: f32,
     pub(crate) row_w: Vec3,
-    pub(crate) tiles: f32,
+    padding_w: f32,
     pub(crate) edge_u: Vec3,
     padding_edge_u: f32,
     pub(crate) edge_v: Vec3,
@@ -105,15 +105,10 @@ impl LightBox {
         self
     }
 
-    /// The same with as many periods in a row as reach `reach` metres to each side, of a box that has any.
-    pub(in crate::render) fn repeated(mut self, reach: f64) -> Self {
+    /// Periods in a row that reach `reach` metres to each side, of a box that has any.
+    pub(in crate::render) fn tiles(&self, reach: f64) -> u32 {
         let period = f64::from(self.repeat * self.edge_u.length());
-        self.tiles = if self.repeat > 0.0 {
-            (2.0 * (reach / period).ceil() + 1.0).min(MOST_TILES) as f32
-        } else {
-            1.0
-        };
-        self
+        if self.repeat > 0.0 { (2.0 * (reach / period).ceil() + 1.0).min(MOST_TILES) as u32 } else { 1 }
     }
 
     /// The box around a medium with columns along `along`.

@@ -69,7 +69,8 @@ impl LightStore {
         lights
             .filter_map(|(cloud, kept)| {
                 let (light_box, volume) = kept.as_ref()?.light.sunlight()?;
-                Some(Caster { origin: cloud.origin, light_box, volume: volume.clone() })
+                let turning = 1.0 - cloud.medium.species.asymmetry;
+                Some(Caster { origin: cloud.origin, light_box, volume: volume.clone(), turning })
             })
             .collect()
     }
@@ -98,6 +99,9 @@ impl LightStore {
         let (mut known, mut rest) = self.found(frame);
         let in_view: Vec<_> = presence.iter().map(|here| *here == Presence::Seen).collect();
         let details = plan(quality, &frame.clouds, &in_view, &frame.camera, frame.camera_position);
+        let planned: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
+        let seen = in_view.iter().filter(|seen| **seen).count();
+        let mut spare = allowance(quality, seen).saturating_sub(planned);
         let shading = occluders(&frame.clouds, -inputs.to_sun);
         let mut order: Vec<_> = (0..frame.clouds.len()).collect();
         // Shadows of clouds out of view come last.
@@ -109,7 +113,17 @@ impl LightStore {
             let before = known[index].take();
             let detail = match details[index] {
                 Some(detail) => detail,
-                None if presence[index] == Presence::Shading => Detail::SHADOW,
+                None if presence[index] == Presence::Shading => {
+                    // What it had when it was in view does, and is there when it comes back.
+                    let kept = |kept: &Kept| kept.light.shades(cloud, inputs) && kept.light.bytes() <= spare;
+                    if before.as_ref().is_some_and(kept) {
+                        let (place, number) = (place(cloud), index);
+                        self.lights[index] = before.map(|kept| Kept { place, number, ..kept });
+                        spare -= self.lights[index].as_ref().map_or(0, |kept| kept.light.bytes());
+                        continue;
+                    }
+                    Detail::SHADOW
+                }
                 None => {
                     rest.extend(before.map(|kept| Kept { number: index, ..kept }));
                     continue;
@@ -145,7 +159,6 @@ impl LightStore {
                 self.pass.see(encoder, inputs, &mut kept.light, eye);
             }
         }
-        let seen = in_view.iter().filter(|seen| **seen).count();
         self.keep(frame, rest, allowance(quality, seen));
     }
 

@@ -13,6 +13,8 @@ pub(in crate::render) struct Caster {
     pub origin: DVec3,
     pub light_box: LightBox,
     pub volume: TextureView,
+    /// 1 less the asymmetry of what scatters without the peak.
+    pub turning: f32,
 }
 
 impl Caster {

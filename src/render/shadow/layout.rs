@@ -7,7 +7,8 @@ use super::casters::Caster;
 
 pub(super) const SQUARES: usize = SunMapUniform::SQUARES;
 pub(super) const LAYERS: usize = SunMapUniform::LAYERS;
-const PLANES: usize = 4 * LAYERS;
+/// The last place holds no plane.
+const PLANES: usize = 4 * LAYERS - 1;
 
 /// The finest texel that is wanted, m: the sun's penumbra a kilometre below a cloud is 9 m wide.
 const FINEST: f64 = 8.0;
@@ -117,9 +118,9 @@ impl Layout {
             let [x, y] = square.corner;
             uniform.place[i] =
                 glam::DVec4::new(x - u, y - v, 1.0 / square.edge, square.cuts[0] - s).as_vec4();
-            for (layer, planes) in square.cuts[1..].chunks_exact(4).enumerate() {
-                uniform.planes[LAYERS * i + layer] =
-                    Vec4::from_array([0, 1, 2, 3].map(|k| (planes[k] - s) as f32));
+            for layer in 0..LAYERS {
+                let plane = |k: usize| (square.cuts[(4 * layer + k + 1).min(PLANES)] - s) as f32;
+                uniform.planes[LAYERS * i + layer] = Vec4::from_array([0, 1, 2, 3].map(plane));
             }
         }
         uniform
@@ -184,9 +185,8 @@ mod tests {
         let cuts = cuts(vec![[100.0, 300.0], [5000.0, 5100.0], [200.0, 400.0]]);
         assert_eq!((cuts[0], cuts[PLANES]), (100.0, 5100.0));
         assert!(cuts.is_sorted());
-        // Three quarters of the covered length lie in the first interval.
-        assert_eq!(cuts[PLANES * 3 / 4], 400.0);
-        assert_eq!(cuts[PLANES / 2], 300.0);
-        assert_eq!(cuts[PLANES * 7 / 8], 5050.0);
+        // Of 400 m that are covered 300 lie in the first interval.
+        assert_eq!(cuts[3], 180.0);
+        assert!(cuts[11] < 400.0 && cuts[12] > 5000.0);
     }
 }

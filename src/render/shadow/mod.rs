@@ -12,11 +12,13 @@ pub(super) use casters::{Caster, may_shade};
 #[cfg(test)]
 pub(crate) use layout::SunMapUniform;
 use layout::{Layout, SQUARES};
+#[cfg(test)]
+pub(crate) use splat::CasterUniform;
 use splat::{Splat, lit_texture};
 
 use super::sky::Sky;
 use crate::{
-    frame::{CameraUniform, Frame, SkySettings},
+    frame::{Frame, Rays, SkySettings},
     gpu::{self, ComputeProgram, TextureDesc, Timing},
 };
 
@@ -58,7 +60,7 @@ struct Made {
 /// What the air's volume depends on; `map` is the number of the map.
 #[derive(PartialEq)]
 struct AirMade {
-    camera: CameraUniform,
+    rays: Rays,
     position: [u64; 3],
     sky: SkySettings,
     map: u32,
@@ -138,7 +140,7 @@ impl Shadows {
         let frame = inputs.frame;
         self.in_air = inputs.aerial;
         let wanted = AirMade {
-            camera: frame.camera,
+            rays: frame.camera.rays(),
             position: frame.camera_position.to_array().map(f64::to_bits),
             sky: frame.sky,
             map: self.maps,

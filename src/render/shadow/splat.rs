@@ -7,9 +7,22 @@ use super::{
     casters::Caster,
     layout::{ENDLESS, LAYERS, Layout, SunMapUniform},
 };
-use crate::gpu::{self, Pack, Shader};
+use crate::{
+    gpu::{self, Pack, Shader},
+    render::light::LightBox,
+};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// `Caster` of `shaders/sun_map.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct CasterUniform {
+    pub(crate) light_box: LightBox,
+    pub(crate) tiles: f32,
+    pub(crate) turning: f32,
+    padding: [f32; 2],
+}
 
 pub(super) struct Splat {
     pipeline: wgpu::RenderPipeline,
@@ -38,14 +51,18 @@ impl Splat {
         let eye = inputs.frame.camera_position;
         // Level, whatever way the square leans.
         let reach = ENDLESS / inputs.frame.sun.to_sun.y;
-        let tiles = |caster: &Caster| caster.light_box.repeated(reach).tiles.powi(2) as u32;
+        let tiles = |caster: &Caster| caster.light_box.tiles(reach);
         let mut pack = Pack::default();
         let map = pack.add(std::slice::from_ref(uniform));
         let boxes: Vec<_> = casters
             .iter()
             .map(|caster| {
-                let light_box = caster.light_box.moved((caster.origin - eye).as_vec3()).repeated(reach);
-                pack.add(&[light_box])
+                pack.add(&[CasterUniform {
+                    light_box: caster.light_box.moved((caster.origin - eye).as_vec3()),
+                    tiles: tiles(caster) as f32,
+                    turning: caster.turning,
+                    padding: [0.0; 2],
+                }])
             })
             .collect();
         let buffer = pack.buffer(device, "sun map of clouds");
@@ -69,7 +86,7 @@ impl Splat {
             pass.set_pipeline(&self.pipeline);
             for (group, caster) in groups.iter().zip(casters) {
                 pass.set_bind_group(0, group, &[]);
-                pass.draw(4 * square..4 * square + 4, 0..tiles(caster));
+                pass.draw(4 * square..4 * square + 4, 0..tiles(caster).pow(2));
             }
         }
         view_of(lit)

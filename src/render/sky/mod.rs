@@ -91,8 +91,7 @@ impl Made {
         let atmosphere = new.atmosphere != old.atmosphere;
         let sun_height = atmosphere || new.to_sun.y != old.to_sun.y;
         let altitude = eye.altitude != old_eye.altitude;
-        let rays = (eye.projection, eye.right, eye.up, eye.forward)
-            != (old_eye.projection, old_eye.right, old_eye.up, old_eye.forward);
+        let rays = eye.rays() != old_eye.rays();
         Redone {
             atmosphere,
             sky_view: sun_height || altitude,
