@@ -103,13 +103,9 @@ impl CloudLight {
 
     /// Whether it has what `cloud` casts its shadow with, whatever else stood before the sun.
     pub(super) fn shades(&self, cloud: &CloudFrame, inputs: &Inputs<'_>) -> bool {
-        let wanted =
-            SunKey::new(&cloud.medium, &[], -inputs.to_sun.as_vec3(), Detail::SHADOW.resolution, false);
-        let along = wanted.of.light_box.along;
-        self.made_for
-            .sun
-            .as_ref()
-            .is_some_and(|sun| sun.of.medium == cloud.medium && sun.of.light_box.along == along)
+        let along = -inputs.to_sun.as_vec3();
+        let same = |sun: &SunKey| sun.of.medium == cloud.medium && sun.of.light_box.along == along;
+        self.made_for.sun.as_ref().is_some_and(same)
     }
 
     /// Whether nothing that it depends on has changed.

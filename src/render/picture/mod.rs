@@ -297,12 +297,17 @@ impl Renderer {
         self.covers = frame.clouds.par_iter().map(cover).collect();
         let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
         let shaded = self.is_shaded(frame);
-        let wanted = |(cloud, seen): (&CloudFrame, &bool)| match seen {
-            true => Presence::Seen,
-            false if shaded && may_shade(frame, cloud) => Presence::Shading,
-            false => Presence::Away,
+        let presence = |(cloud, seen): (&CloudFrame, &bool)| {
+            // Under a layer there is no place that it does not shade.
+            if *seen || (shaded && cloud.medium.layer.is_some()) {
+                Presence::Seen
+            } else if shaded && may_shade(frame, cloud) {
+                Presence::Shading
+            } else {
+                Presence::Away
+            }
         };
-        let presence: Vec<_> = frame.clouds.iter().zip(&in_view).map(wanted).collect();
+        let presence: Vec<_> = frame.clouds.iter().zip(&in_view).map(presence).collect();
         for (cloud, _) in frame.clouds.iter().zip(&presence).filter(|(_, here)| **here != Presence::Away) {
             self.media.prepare(encoder, &cloud.medium);
         }
