@@ -34,6 +34,8 @@ impl Studio {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float);
         renderer.settings.quality = Quality::FINAL;
         (renderer.settings.aerial, renderer.settings.ground) = (among_air_and_ground, among_air_and_ground);
+        // Sprites have nothing that a shadow could fall on.
+        renderer.settings.shadows = among_air_and_ground;
         Self { gpu: gpu.clone(), renderer, rays }
     }
 

