@@ -280,21 +280,22 @@ impl Renderer {
     /// Finds where the clouds are in the picture, and makes the light of those that are.
     fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
         self.media.plan(frame.clouds.iter().map(|cloud| &*cloud.medium));
-        let media = &self.media;
-        let cover = |cloud: &CloudFrame| {
+        // Told before: what is of the device may not go from thread to thread in a browser.
+        let baked: Vec<_> = frame.clouds.iter().map(|cloud| self.media.is_baked(&cloud.medium)).collect();
+        let cover = |(cloud, &baked): (&CloudFrame, &bool)| {
             let eye = (frame.camera_position - cloud.origin).as_vec3();
             if let Some(layer) = &cloud.medium.layer {
                 let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
                 return Cover::of_layer(&frame.camera, eye, layer, bend);
             }
-            let many = if media.is_baked(&cloud.medium) { usize::MAX } else { MANY };
+            let many = if baked { usize::MAX } else { MANY };
             let mut cover = Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many);
-            if media.is_baked(&cloud.medium) {
+            if baked {
                 cover.candidates.clear();
             }
             cover
         };
-        self.covers = frame.clouds.par_iter().map(cover).collect();
+        self.covers = frame.clouds.par_iter().zip(&baked).map(cover).collect();
         let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
         let shaded = self.is_shaded(frame);
         let presence = |(cloud, seen): (&CloudFrame, &bool)| {
