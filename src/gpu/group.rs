@@ -32,7 +32,10 @@ fn declaration(statement: &str) -> Option<(u32, BindGroupLayoutEntry)> {
     let (group, ty) = (group.parse().ok()?, binding_type(space, kind));
     let visibility = match group {
         OF_VERTICES => ShaderStages::VERTEX,
-        _ if is_written(ty) => ShaderStages::FRAGMENT | ShaderStages::COMPUTE,
+        // Vertices have textures in their own group alone, so that all others count for fragments only.
+        _ if is_written(ty) || matches!(ty, BindingType::Texture { .. }) => {
+            ShaderStages::FRAGMENT | ShaderStages::COMPUTE
+        }
         _ => ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE,
     };
     Some((group, BindGroupLayoutEntry { binding: binding.parse().ok()?, visibility, ty, count: None }))
