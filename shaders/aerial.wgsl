@@ -14,8 +14,7 @@
     // The outermost texels are on the rim of the picture: both ends of a panorama agree.
     let uv = vec2f(id.xy) / (size.xy - 1.0);
     let view = camera_ray(camera, vec2f(2.0 * uv.x - 1.0, 1.0 - 2.0 * uv.y));
-    let altitude = max(camera.altitude + view.origin.y, 0.0);
-    let ray = AirRay(altitude, view.direction.y, sky.to_sun.y, dot(view.direction, sky.to_sun));
+    let ray = air_ray(max(camera.altitude + view.origin.y, 0.0), view.direction, sky.to_sun);
     var light = Scattering(vec3f(0.0), vec3f(1.0));
     var start = 0.0;
     for (var slice = 0u; slice < u32(size.z); slice++) {

@@ -71,7 +71,8 @@ fn shadows(ray: Ray, uv: vec2f) -> vec3f {
     let end = select(to_ground, sky.aerial_reach, below < 0.5);
     let air = aerial_perspective(air_shadow, linear_sampler, uv, end, map.reach).rgb;
     let light = sun_map_ground(map, lit, linear_sampler, ray.origin + to_ground * ray.direction);
-    let view = AirRay(altitude, down, sky.to_sun.y, dot(ray.direction, sky.to_sun));
+    var view = air_ray(altitude, ray.direction, sky.to_sun);
+    view.mu = down;
     return air + below * ground_shadow(a, transmittance, linear_sampler, view, to_ground, light.x + light.y);
 }
 

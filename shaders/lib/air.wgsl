@@ -121,6 +121,11 @@ struct AirRay {
     nu: f32,
 }
 
+// The ray from `altitude` in this direction.
+fn air_ray(altitude: f32, direction: vec3f, to_sun: vec3f) -> AirRay {
+    return AirRay(altitude, direction.y, to_sun.y, dot(direction, to_sun));
+}
+
 // The same ray seen from the point at distance `t` along it.
 fn air_ray_at(a: Atmosphere, ray: AirRay, t: f32) -> AirRay {
     let r = a.ground_radius + ray.altitude;

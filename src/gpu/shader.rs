@@ -210,6 +210,48 @@ fn compute_pipeline(
     })
 }
 
+/// What a pipeline draws with: strips of triangles without buffers of vertices.
+pub(crate) struct Strips<'a> {
+    pub label: &'a str,
+    /// Functions of the vertex and of the fragment stage.
+    pub entries: [&'a str; 2],
+    pub overrides: &'a [(&'a str, f64)],
+    pub targets: &'a [Option<wgpu::ColorTargetState>],
+}
+
+/// The pipeline of a shader that draws so.
+pub(crate) fn strip_pipeline(
+    device: &wgpu::Device,
+    shader: &Shader,
+    strips: &Strips<'_>,
+) -> wgpu::RenderPipeline {
+    let options = || wgpu::PipelineCompilationOptions { constants: strips.overrides, ..Default::default() };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(strips.label),
+        layout: Some(&shader.layout),
+        vertex: wgpu::VertexState {
+            module: &shader.module,
+            entry_point: Some(strips.entries[0]),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            ..Default::default()
+        },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader.module,
+            entry_point: Some(strips.entries[1]),
+            compilation_options: options(),
+            targets: strips.targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
 /// The pipeline of the shader called `name` whose functions `vertex` and `fragment` draw one
 /// triangle over all of a target, without blending.
 pub(crate) fn screen_pipeline(
@@ -218,29 +260,9 @@ pub(crate) fn screen_pipeline(
     overrides: &[(&str, f64)],
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let Shader { module, layout, .. } = Shader::new(device, name, &[]);
-    let options = || wgpu::PipelineCompilationOptions { constants: overrides, ..Default::default() };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(name),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("vertex"),
-            compilation_options: options(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("fragment"),
-            compilation_options: options(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let targets = &[Some(format.into())];
+    let strips = Strips { label: name, entries: ["vertex", "fragment"], overrides, targets };
+    strip_pipeline(device, &Shader::new(device, name, &[]), &strips)
 }
 
 /// Records the pass of such a pipeline over all of `target`, which it clears first.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::definitions::mean_transmittance;
 use crate::harness::{Output, Random, Twin, Wide};
-use crate::pack::{each, input, line, one, plane, scalars, three, two};
+use crate::pack::{each, input, line, one, plane, scalars, three, two, vector, xyz};
 use glam::DVec3;
 
 /// The Earth: its lengths are exact in f32, its coefficients are rounded as here.
@@ -194,6 +194,16 @@ fn spheres() -> Vec<Twin> {
             let nu =
                 mu * mu_sun + ((1.0 - mu * mu) * (1.0 - mu_sun * mu_sun)).sqrt() * random.between(-1.0, 1.0);
             input([[h, mu, mu_sun, nu], [random.log(1.0, 1e6), 0.0, 0.0, 0.0]])
+        }),
+        Twin::new(
+            "air_ray",
+            "air",
+            "let r = air_ray(x[0].w, x[0].xyz, x[1].xyz); return vec4f(r.altitude, r.mu, r.mu_sun, r.nu);",
+            |x| [x[0][3], x[0][1], x[1][1], xyz(x[0]).dot(xyz(x[1]))],
+        )
+        .over("all", |random| {
+            let (direction, to_sun) = (random.direction(), random.direction());
+            input([vector(direction, random.log(1.0, 1e5)), vector(to_sun, 0.0)])
         }),
         Twin::new(
             "distance_to_entry",

@@ -102,9 +102,7 @@ impl LayerShape {
         let height = f64::from(self.uniform.top + self.uniform.bottom);
         0.5 * dvec3(self.period, height, self.period)
     }
-}
 
-impl LayerShape {
     /// Whether a ray from `height` in the layer's frame, m, meets it before the ground over an earth of half the
     /// curvature `bend`, 1/m, where it goes up by `slope` each metre: `layer_span` of `shaders/lib/layer.wgsl` is there.
     pub fn is_met(&self, height: f32, slope: f32, bend: f32) -> bool {
@@ -120,9 +118,7 @@ impl LayerShape {
             _ => start < end,
         }
     }
-}
 
-impl LayerShape {
     /// Whether there may be something of it over a square, one of `squares` along a period, between two heights in its
     /// frame, m.
     pub fn reaches(&self, square: [f64; 2], squares: f64, [low, high]: [f32; 2]) -> bool {

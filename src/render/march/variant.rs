@@ -3,7 +3,7 @@
 use super::{MOST_NODES, View};
 use crate::{
     frame::CloudFrame,
-    gpu::{Role, Shader},
+    gpu::{Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
 
@@ -91,38 +91,17 @@ pub(super) fn pipeline(
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
     let overrides = shader.known(&variant.overrides());
-    let options = || wgpu::PipelineCompilationOptions {
-        constants: &overrides,
-        zero_initialize_workgroup_memory: false,
-    };
     let target = Some(wgpu::ColorTargetState {
         format,
         blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         write_mask: wgpu::ColorWrites::ALL,
     });
     let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("clouds"),
-        layout: Some(&shader.layout),
-        vertex: wgpu::VertexState {
-            module: &shader.module,
-            entry_point: Some("quad"),
-            compilation_options: options(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader.module,
-            entry_point: Some(variant.entry),
-            compilation_options: options(),
-            targets: &targets,
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let strips = Strips {
+        label: "clouds",
+        entries: ["quad", variant.entry],
+        overrides: &overrides,
+        targets: &targets,
+    };
+    strip_pipeline(device, shader, &strips)
 }

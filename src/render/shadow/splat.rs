@@ -8,7 +8,7 @@ use super::{
     layout::{ENDLESS, LAYERS, Layout, SunMapUniform},
 };
 use crate::{
-    gpu::{self, Pack, Shader},
+    gpu::{self, Pack, Shader, Strips, strip_pipeline},
     render::light::LightBox,
 };
 
@@ -156,28 +156,7 @@ fn pipeline(device: &wgpu::Device, shader: &Shader) -> wgpu::RenderPipeline {
         blend: Some(wgpu::BlendState { color: times, alpha: times }),
         write_mask: wgpu::ColorWrites::ALL,
     });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("sun map"),
-        layout: Some(&shader.layout),
-        vertex: wgpu::VertexState {
-            module: &shader.module,
-            entry_point: Some("footprint"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState {
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            ..Default::default()
-        },
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader.module,
-            entry_point: Some("light"),
-            compilation_options: Default::default(),
-            targets: &vec![target; LAYERS],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    let targets = &vec![target; LAYERS];
+    let strips = Strips { label: "sun map", entries: ["footprint", "light"], overrides: &[], targets };
+    strip_pipeline(device, shader, &strips)
 }
