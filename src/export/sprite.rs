@@ -92,11 +92,13 @@ impl Subject {
                 .ok_or_else(|| unknown(scene, name))?;
             alone.clouds = vec![scene.clouds[index].clone()];
         }
+        // Layers have no end, and do not fit into a sprite.
+        alone.clouds.retain(|cloud| cloud.layer.is_none());
         let visible = || alone.clouds.iter().flat_map(Cloud::visible);
         let bounds = visible().map(Ellipsoid::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let Some((low, high)) = bounds else {
             return Err(Error::Argument("there is no cloud to take a sprite of at that moment: clouds that form and dissolve are there at \
-                 others (--time)".to_owned()));
+                 others (--time), and layers, which have no end, are left out".to_owned()));
         };
         let center = 0.5 * (low + high);
         let reach = visible().map(|e| e.center.distance(center) + e.radii.max_element());

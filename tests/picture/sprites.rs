@@ -238,3 +238,16 @@ fn mix(a: &Picture, b: &Picture, shifts: &[[f32; 2]]) -> Picture {
     };
     Picture { width: 64, height: 64, pixels: (0..64 * 64).map(pixel).collect() }
 }
+
+#[test]
+fn layers_which_have_no_end_are_left_out_of_sprites() {
+    let mut scene = scene(PAIR);
+    let without = Subject::new(&scene, None).unwrap().seen_from(DVec3::Z);
+    scene.clouds.push(
+        Scene::from_json(r#"{"clouds":[{"name":"deck","layer":{"base":700}}]}"#).unwrap().clouds.remove(0),
+    );
+    let with = Subject::new(&scene, None).unwrap().seen_from(DVec3::Z);
+    assert_eq!(with, without);
+    let told = Subject::new(&scene, Some("deck")).unwrap_err().to_string();
+    assert!(told.contains("layers, which have no end, are left out"), "{told}");
+}
