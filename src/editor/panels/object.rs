@@ -187,7 +187,7 @@ fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud) {
     let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
     cloud.level = flat.then(|| cloud.level.unwrap_or(lowest));
     if let Some(level) = &mut cloud.level {
-        form.slider("Cloud.level", "Altitude of the base", level, lowest, lowest - 500.0..=lowest + 500.0);
+        form.slider("Cloud.level", "Base altitude", level, lowest, lowest - 500.0..=lowest + 500.0);
     }
     form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
     form.number("Evaporation.base", "Veil at the base", &mut cloud.evaporation.base, 0.0);
