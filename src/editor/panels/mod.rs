@@ -2,6 +2,7 @@
 
 mod growth;
 mod layer;
+mod lights;
 mod object;
 mod outliner;
 mod outliner_row;
@@ -14,6 +15,7 @@ mod world;
 
 use eframe::egui::{self, RichText, Ui};
 
+pub use lights::LightsPanel;
 pub use object::ObjectPanel;
 pub use outliner::Outliner;
 pub use picture::{PicturePanel, PictureWish};
