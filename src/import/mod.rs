@@ -29,6 +29,7 @@ pub use camera::read_camera;
 #[cfg(feature = "import")]
 pub use fill::{Filled, fill};
 pub use grid::{Grid, MOST_ALONG};
+pub(crate) use grid::voxel;
 #[cfg(feature = "import")]
 pub use inside::Inside;
 #[cfg(feature = "import")]

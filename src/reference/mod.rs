@@ -128,6 +128,7 @@ impl PathTracer {
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
         check_alone(frame)?;
+        World::check_volumes(frame, "path traced")?;
         let world = World::new(frame);
         let grid = match &world.layer {
             Some(layer) => Grid::of_layer(layer, &world.bodies[0]),

@@ -37,8 +37,8 @@ int main(int, char **words) {
     // As pipes have it: no places of grids.
     std::ofstream pipe(folder + "/stream.vdb", std::ios_base::binary);
     io::Stream stream(pipe);
-    stream.setCompression(io::COMPRESS_ZIP);
+    stream.setCompression(io::COMPRESS_ZIP | io::COMPRESS_ACTIVE_MASK);
     stream.write({bump<FloatGrid>()});
-    // Everything as it is, which is long, for tools/old.py to make an old file of.
+    // Everything as it is, which is long, for age_volume.py to make an old file of.
     write("plain.vdb", bump<FloatGrid>(), io::COMPRESS_NONE);
 }

@@ -63,6 +63,13 @@ fn halves_come_in_exactly_with_inactive_values() {
 }
 
 #[test]
+fn other_numbers_pipes_and_old_formats_come_in_exactly() {
+    for name in ["double.vdb", "stream.vdb", "old.vdb"] {
+        assert_bump(&read_volume(&data(name), None, None).unwrap_or_else(|error| panic!("{error}")));
+    }
+}
+
+#[test]
 fn tiles_are_filled_and_turned_spaces_read() {
     let grid = read_volume(&data("grids.vdb"), Some("tiles"), None).unwrap();
     let found = values(&grid);
