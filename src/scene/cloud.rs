@@ -239,6 +239,7 @@ impl Cloud {
             ("level", self.level.is_some(), "leave it out: the layer's `base` is where it begins"),
             ("life", self.life.is_some(), "leave it out, and animate the layer's `coverage`"),
             ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
+            ("volume", self.volume.is_some(), "leave out one of them, or make two clouds"),
         ];
         alone(at, ["layer", "layers"], others)
     }
@@ -250,7 +251,6 @@ impl Cloud {
         let others = [
             ("growth", self.growth.is_some(), both),
             ("ellipsoids", !self.ellipsoids.is_empty(), both),
-            ("layer", self.layer.is_some(), both),
             ("level", self.level.is_some(), file),
             ("life", self.life.is_some(), "leave it out, and animate the volume's `extinction`"),
             ("evaporation", !self.evaporation.is_none(), file),

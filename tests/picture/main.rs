@@ -34,3 +34,4 @@ mod truth_sampling;
 mod units;
 mod volumes;
 mod volumes_drawn;
+mod volumes_in;

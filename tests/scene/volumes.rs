@@ -4,6 +4,7 @@ use std::{collections::HashMap, fs, path::PathBuf};
 
 use glam::{DVec3, IVec3};
 use nephos::import::{Grid, Raw, found_in, parse_volume, read_volume};
+use nephos::{render::Frame, scene::Scene};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{RngCore, SeedableRng},
@@ -189,4 +190,86 @@ fn damaged_volumes_are_refused_or_read_and_never_end_the_program() {
         }
     }
     assert!(read > 20 && refused > 100, "{read} {refused}");
+}
+
+/// A folder with a scene of one volume, whose fields these are, and the file that it names.
+fn folder(fields: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::copy(data("grids.vdb"), folder.path().join("some.vdb")).unwrap();
+    let path = folder.path().join("scene.json");
+    let text = format!(
+        r#"{{"clouds": [{{"name": "smoke", "volume": {{"file": "some.vdb", {fields}}}}}], "wind": {{"velocity": [3, 0, -2]}},
+        "timeline": {{"length": 10, "tracks": [{{"path": "clouds['smoke'].volume.extinction", "keys": [
+            {{"time": 0, "value": 0.2, "interpolation": "linear"}}, {{"time": 10, "value": 0.8}}]}}]}}}}"#
+    );
+    fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn a_scene_reads_its_volume_beside_it_and_keeps_it_through_time() {
+    let (_folder, path) = folder(r#""up": "z", "scale": 2, "place": [100, 50, 0]"#);
+    let scene = Scene::load(&path).unwrap();
+    let (low, high) = scene.bounds().unwrap();
+    // Voxels -2 to 15, 6 to 15, 101 to 107 are not empty and reach one farther; half a unit each, moved by 10, 20, 30.
+    let corner = |x: f64, y: f64, z: f64| DVec3::new(100.0 + 2.0 * (0.5 * x + 10.0), 50.0 + 2.0 * (0.5 * z + 30.0), -2.0 * (0.5 * y + 20.0));
+    let grid = scene.clouds[0].volume.as_ref().unwrap().read_grid().unwrap();
+    let (first, last) = grid.bounds;
+    let [first, last] = [first - 1, last + 1].map(|at| at.as_dvec3());
+    assert!(low.distance(corner(first.x, last.y, first.z)) < 1e-9, "{low}");
+    assert!(high.distance(corner(last.x, first.y, last.z)) < 1e-9, "{high}");
+    let later = scene.at(5.0).unwrap();
+    let volume = later.clouds[0].volume.as_ref().unwrap();
+    assert_eq!((volume.extinction, volume.place), (0.5, DVec3::new(115.0, 50.0, -10.0)));
+    assert!(volume.read_grid().is_some() && Frame::new(&scene, [16, 9]).is_ok());
+}
+
+#[test]
+fn a_scene_that_is_saved_elsewhere_finds_its_volume() {
+    let (folder, path) = folder(r#""extinction": 2"#);
+    let scene = Scene::load(&path).unwrap();
+    let other = tempfile::tempdir().unwrap();
+    let there = other.path().join("moved.json");
+    scene.save(&there).unwrap();
+    let read = Scene::load(&there).unwrap();
+    assert!(read.clouds[0].volume.as_ref().unwrap().read_grid().is_some());
+    // Back in its own folder it has its short name.
+    let back = folder.path().join("back.json");
+    read.save(&back).unwrap();
+    assert_eq!(Scene::load(&back).unwrap().clouds[0].volume.as_ref().unwrap().file, "some.vdb");
+    // The text alone names no folder: nothing is read, and nothing is drawn.
+    let unread = Scene::from_json(&scene.to_json()).unwrap();
+    assert!(unread.bounds().is_none());
+    let problem = Frame::new(&unread, [16, 9]).unwrap_err().to_string();
+    assert!(problem.contains("some.vdb") && problem.contains("was not read"), "{problem}");
+}
+
+#[test]
+fn what_is_wrong_with_a_volume_is_told_with_the_way_out() {
+    let told = |cloud: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        fs::copy(data("grids.vdb"), folder.path().join("some.vdb")).unwrap();
+        let path = folder.path().join("scene.json");
+        fs::write(&path, format!(r#"{{"clouds": [{cloud}]}}"#)).unwrap();
+        Scene::load(&path).unwrap_err().to_string()
+    };
+    let cases = [
+        (r#"{"volume": {}}"#, "clouds[0].volume.file: it is empty"),
+        (r#"{"volume": {"file": "none.vdb"}}"#, "none.vdb"),
+        (r#"{"volume": {"file": "some.vdb", "grid": "fire"}}"#, "has no grid `fire`: it has `density`"),
+        (r#"{"volume": {"file": "some.vdb", "extinction": -1}}"#, "clouds[0].volume.extinction: -1 is out of range"),
+        (r#"{"volume": {"file": "some.vdb", "scale": 0}}"#, "clouds[0].volume.scale: 0 is out of range"),
+        (r#"{"volume": {"file": "some.vdb", "scale": 1000000}}"#, "too far: change `scale` or `place`"),
+        (r#"{"volume": {"file": "some.vdb", "orientation": [0, 0, 0, 0]}}"#, "clouds[0].volume.orientation"),
+        (r#"{"volume": {"file": "some.vdb", "extinktion": 1}}"#, "did you mean `extinction`?"),
+        (r#"{"volume": {"file": "some.vdb", "up": "x"}}"#, "unknown choice `x`"),
+        (r#"{"volume": {"file": "some.vdb", "raw": {"size": [4, 4, 4096]}}}"#, "4096 is out of range: expected 1 to 2048"),
+        (r#"{"volume": {"file": "some.vdb"}, "layer": {}}"#, "both `layer` and `volume`"),
+        (r#"{"volume": {"file": "some.vdb"}, "level": 900}"#, "both `volume` and `level`, which volumes do not have"),
+        (r#"{"volume": {"file": "some.vdb"}, "growth": {"kind": "humilis"}}"#, "both `volume` and `growth`"),
+    ];
+    for (cloud, expected) in cases {
+        let found = told(cloud);
+        assert!(found.contains(expected), "{found}\n  lacks\n{expected}");
+    }
 }
