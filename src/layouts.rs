@@ -9,7 +9,8 @@ use crate::{
         CameraUniform, MEDIA,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
-            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS, VolumeUniform,
+            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS,
+            VolumeUniform,
         },
     },
     gpu,

@@ -11,16 +11,16 @@ use super::{
 };
 use crate::{
     Error, Result,
-    import::{Found, Grid, Raw, found_in},
+    import::{Choice, Found, Grid, Raw, found_in},
     scene::{Brick, Cloud, Endian, Scene, Up, Volume},
 };
 
 /// Tell what is in a volume's file, and make a scene of it.
 ///
-/// OpenVDB (.vdb), Mitsuba's .vol, or a brick of floats whose --size you give.
+/// OpenVDB (.vdb), Mitsuba's .vol, output of the weather model WRF (NetCDF), or a brick of floats whose --size you give.
 #[derive(Debug, Args)]
 pub struct Import {
-    /// Volume: .vdb, .vol, or floats.
+    /// Volume: .vdb, .vol, .nc, or floats.
     file: PathBuf,
     /// Scene file to write; nothing is written where left out.
     #[arg(short, long, value_name = "FILE")]
@@ -35,12 +35,15 @@ pub struct Import {
     /// Metres of the file's unit of length: 0.01 for centimetres.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
     scale: f64,
-    /// Axis of the file that goes up.
-    #[arg(long, value_name = "AXIS", default_value = "y")]
-    up: UpAxis,
+    /// Axis of the file that goes up; where left out, z of NetCDF and y of others.
+    #[arg(long, value_name = "AXIS")]
+    up: Option<UpAxis>,
     /// Where the file's origin shall be, metres.
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     at: Option<[f64; 3]>,
+    /// Which of its times, where a file holds several: 0 is the first.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    step: u32,
     /// Voxels along x, y and z of a file that holds nothing but floats, x fastest.
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>)]
     size: Option<[f64; 3]>,
@@ -76,7 +79,7 @@ impl Import {
             big_endian: self.endian == ByteOrder::Big,
             voxel: brick.voxel.into(),
         });
-        let found = found_in(&self.file, raw.as_ref())?;
+        let found = found_in(&self.file, &Choice { grid: None, raw, step: self.step })?;
         terminal::print(&self.told(&found))?;
         let Some(output) = &self.output else { return Ok(()) };
         let chosen = self.chosen(found)?;
@@ -84,7 +87,10 @@ impl Import {
         scene.save(output)?;
         let volume = scene.clouds[0].volume.as_ref();
         let extinction = volume.map_or(0.0, |volume| volume.extinction);
-        terminal::print(&format!("{}: extinction {extinction} a metre where the grid is 1\n", output.display()))?;
+        terminal::print(&format!(
+            "{}: extinction {extinction} a metre where the grid is 1\n",
+            output.display()
+        ))?;
         match scene.bounds() {
             Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
                 "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
@@ -123,7 +129,8 @@ impl Import {
     fn chosen(&self, found: Vec<Found>) -> Result<Grid> {
         let refused = |problem: String| Error::Format { path: self.file.clone(), problem };
         let names = found.iter().map(|found| format!("`{}`", found.name)).collect::<Vec<_>>().join(", ");
-        let usual = |found: &Found| self.grid.as_ref().map_or(found.name == "density", |name| found.name == *name);
+        let usual =
+            |found: &Found| self.grid.as_ref().map_or(found.name == "density", |name| found.name == *name);
         let place = found.iter().position(usual);
         let only = found.iter().position(|found| found.grid.is_ok()).filter(|_| self.grid.is_none());
         let place = place.or(only).ok_or_else(|| {
@@ -132,30 +139,32 @@ impl Import {
                 None => format!("has no grid that can be drawn: it has {names}"),
             })
         })?;
-        found.into_iter().nth(place).map_or_else(|| Err(refused("has no grid".to_owned())), |f| f.grid.map_err(refused))
+        found
+            .into_iter()
+            .nth(place)
+            .map_or_else(|| Err(refused("has no grid".to_owned())), |f| f.grid.map_err(refused))
     }
 
     fn scene(&self, output: &Path, grid: Grid, raw: Option<Brick>) -> Result<Scene> {
         let name = self.file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
-        let mut cloud = Cloud { name: name.clone(), ..Cloud::default() };
-        let has_unit = grid.quantity.contains("extinction") || !self.file.extension().is_some_and(|e| e == "vdb");
-        let usual = if has_unit { 1.0 } else { cloud.droplets.extinction() };
         let folder = output.parent().unwrap_or(Path::new(""));
         let mut volume = Volume {
             file: Volume::path_from(folder, &self.file),
             grid: Some(grid.name.clone()).filter(|_| raw.is_none()),
-            extinction: self.extinction.unwrap_or(usual),
+            extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(&grid)),
             scale: self.scale,
             up: match self.up {
-                UpAxis::Y => Up::Y,
-                UpAxis::Z => Up::Z,
+                Some(UpAxis::Y) => Up::Y,
+                Some(UpAxis::Z) => Up::Z,
+                None => Volume::usual_up(&self.file),
             },
+            step: self.step,
             place: self.at.map_or(DVec3::ZERO, DVec3::from),
             raw,
             ..Volume::default()
         };
         volume.read(folder)?;
-        cloud.volume = Some(volume);
+        let cloud = Cloud::of_volume(&name, volume);
         let scene = Scene { name, clouds: vec![cloud], ..Scene::default() };
         scene.validate().map_err(|error| {
             Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))

@@ -36,7 +36,7 @@ impl Keying {
             "Projection" => "camera.projection".to_owned(),
             "Sun" | "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),
             "Cloud" | "Ellipsoid" => object.clone(),
-            "Edge" | "Droplets" | "Life" | "Growth" => format!("{object}.{}", kind.to_lowercase()),
+            "Edge" | "Droplets" | "Life" | "Growth" | "Volume" => format!("{object}.{}", kind.to_lowercase()),
             "Phase" => format!("{object}.droplets.phase"),
             _ => return None,
         };

@@ -105,13 +105,11 @@ impl Grid {
         let mut blocks = HashMap::<[i32; 3], Box<[f32; BLOCK_VOXELS]>>::new();
         let [width, height, _] = size.map(|n| n as usize);
         for (i, value) in values.enumerate().filter(|(_, value)| *value != 0.0) {
-            let at = IVec3::new(
-                (i % width) as i32,
-                (i / width % height) as i32,
-                (i / (width * height)) as i32,
-            );
+            let at =
+                IVec3::new((i % width) as i32, (i / width % height) as i32, (i / (width * height)) as i32);
             let index = at.map(|i| i.div_euclid(BLOCK_EDGE));
-            blocks.entry(index.to_array()).or_insert_with(|| Box::new([0.0; BLOCK_VOXELS]))[voxel(at)] = value;
+            blocks.entry(index.to_array()).or_insert_with(|| Box::new([0.0; BLOCK_VOXELS]))[voxel(at)] =
+                value;
         }
         let blocks = blocks.into_iter().map(|(index, values)| Block { index: index.into(), values });
         Self::new(name, String::new(), place, blocks.collect())

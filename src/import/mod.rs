@@ -14,6 +14,8 @@ mod inside;
 #[cfg(feature = "import")]
 mod mesh;
 #[cfg(feature = "import")]
+mod netcdf;
+#[cfg(feature = "import")]
 mod obj;
 #[cfg(feature = "import")]
 mod raw;
@@ -28,8 +30,8 @@ mod volume;
 pub use camera::read_camera;
 #[cfg(feature = "import")]
 pub use fill::{Filled, fill};
-pub use grid::{Grid, MOST_ALONG};
 pub(crate) use grid::voxel;
+pub use grid::{Grid, MOST_ALONG};
 #[cfg(feature = "import")]
 pub use inside::Inside;
 #[cfg(feature = "import")]
@@ -37,4 +39,4 @@ pub use mesh::{Mesh, read_mesh};
 #[cfg(feature = "import")]
 pub use raw::Raw;
 #[cfg(feature = "import")]
-pub use volume::{Found, found_in, parse_volume, read_volume};
+pub use volume::{Choice, Found, found_in, parse_volume, read_volume};

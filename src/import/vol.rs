@@ -26,7 +26,9 @@ pub(super) fn read(all: &[u8]) -> Result<Grid, Problem> {
     }
     let version = bytes.byte()?;
     if version != 3 {
-        return Err(format!("has version {version} of Mitsuba's format, and version 3 is read: write it by Mitsuba 3"));
+        return Err(format!(
+            "has version {version} of Mitsuba's format, and version 3 is read: write it by Mitsuba 3"
+        ));
     }
     let encoding = bytes.i32()?;
     let [x, y, z, channels] = [bytes.i32()?, bytes.i32()?, bytes.i32()?, bytes.i32()?];
@@ -37,14 +39,19 @@ pub(super) fn read(all: &[u8]) -> Result<Grid, Problem> {
     if size.iter().any(|n| !(1..=MOST_ALONG).contains(n)) {
         return Err(format!("has {x} x {y} x {z} voxels: 1 to {MOST_ALONG} along each axis are read"));
     }
-    let mut corner = || Ok::<_, Problem>(DVec3::new(bytes.f32()?.into(), bytes.f32()?.into(), bytes.f32()?.into()));
+    let mut corner =
+        || Ok::<_, Problem>(DVec3::new(bytes.f32()?.into(), bytes.f32()?.into(), bytes.f32()?.into()));
     let (low, high) = (corner()?, corner()?);
     let size = size.map(|n| n as u32);
     let width = match encoding {
         FLOATS => 4,
         HALVES => 2,
         BYTES => 1,
-        _ => return Err(format!("has values of encoding {encoding}: floats (1), halves (2) and bytes (3) are read")),
+        _ => {
+            return Err(format!(
+                "has values of encoding {encoding}: floats (1), halves (2) and bytes (3) are read"
+            ));
+        }
     };
     let count: usize = size.iter().map(|n| *n as usize).product();
     let values = bytes.take(count * width)?.chunks_exact(width).map(|value| match *value {
@@ -55,5 +62,8 @@ pub(super) fn read(all: &[u8]) -> Result<Grid, Problem> {
     // Corners are faces of the outermost voxels.
     let edge = (high - low) / DVec3::from(size.map(f64::from));
     let place = DAffine3::from_mat3_translation(DMat3::from_diagonal(edge), low + 0.5 * edge);
-    Grid::dense("density".to_owned(), place, size, values)
+    let mut grid = Grid::dense("density".to_owned(), place, size, values)?;
+    // What media of Mitsuba's take such volumes for.
+    grid.quantity = "extinction coefficient".to_owned();
+    Ok(grid)
 }

@@ -130,10 +130,7 @@ impl PathTracer {
         check_alone(frame)?;
         World::check_volumes(frame, "path traced")?;
         let world = World::new(frame);
-        let grid = match &world.layer {
-            Some(layer) => Grid::of_layer(layer, &world.bodies[0]),
-            None => Grid::new(&world.ellipsoids, &world.bodies, CELLS),
-        };
+        let grid = Grid::of(&world, CELLS);
         let uniform = SceneUniform {
             low: grid.low,
             cell: grid.cell,

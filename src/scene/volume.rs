@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, union};
+use super::{Bounds, Droplets, union};
 use crate::{Error, Result, import::Grid};
 
 const EXTINCTION: Limits = Limits::new(0.0, 1e6, "per metre");
@@ -23,8 +23,8 @@ const ALONG: Limits = Limits::new(1.0, crate::import::MOST_ALONG as f64, "voxels
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Volume {
-    /// The file: OpenVDB (.vdb), Mitsuba's .vol, or floats that lie as `raw` says; from the folder of the scene's
-    /// file on.
+    /// The file: OpenVDB (.vdb), Mitsuba's .vol, output of WRF (NetCDF), or floats that lie as `raw` says; from the
+    /// folder of the scene's file on.
     pub file: String,
     /// Name of the grid in the file; left out, the only one, or `density`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -44,6 +44,9 @@ pub struct Volume {
     /// Rotation about the file's origin, a quaternion [x, y, z, w] as in glTF; made unit length on loading.
     #[schemars(with = "[f64; 4]")]
     pub orientation: DQuat,
+    /// Which of its times, where the file holds several: 0 is the first.
+    #[serde(skip_serializing_if = "is_first")]
+    pub step: u32,
     /// How the numbers of a file lie that holds nothing but floats.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raw: Option<Brick>,
@@ -90,6 +93,10 @@ pub struct Brick {
     pub voxel: [f64; 3],
 }
 
+fn is_first(step: &u32) -> bool {
+    *step == 0
+}
+
 fn unit_voxel() -> [f64; 3] {
     [1.0; 3]
 }
@@ -117,6 +124,7 @@ impl Default for Volume {
             up: Up::Y,
             place: DVec3::ZERO,
             orientation: DQuat::IDENTITY,
+            step: 0,
             raw: None,
             opened: Opened::default(),
         }
@@ -131,6 +139,23 @@ impl Volume {
         self
     }
 
+    /// Whether a file has the name of a volume's: .vdb, .vol or .nc.
+    pub fn is_named(path: &Path) -> bool {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        ["vdb", "vol", "nc"].iter().any(|known| ending.eq_ignore_ascii_case(known))
+    }
+
+    /// Which axis goes up in a file of this name, if nobody says otherwise: z in NetCDF.
+    pub fn usual_up(file: &Path) -> Up {
+        if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("nc")) { Up::Z } else { Up::Y }
+    }
+
+    /// Extinction, per metre, that `grid` has where it is 1, if nobody says otherwise: 1 where its file says that
+    /// its values are extinctions, else that of droplets as clouds have them.
+    pub fn usual_extinction(grid: &Grid) -> f64 {
+        if grid.quantity.contains("extinction") { 1.0 } else { Droplets::default().extinction() }
+    }
+
     /// What was read of its file: [`Scene::load`](super::Scene::load) reads that.
     pub fn read_grid(&self) -> Option<&Arc<Grid>> {
         self.opened.grid.as_ref()
@@ -138,7 +163,9 @@ impl Volume {
 
     /// Takes over what another one has read, where that is the same part of the same file.
     pub(crate) fn take_grid_of(&mut self, other: &Self) {
-        if (&self.file, &self.grid, &self.raw) == (&other.file, &other.grid, &other.raw) {
+        if (&self.file, &self.grid, self.step, &self.raw)
+            == (&other.file, &other.grid, other.step, &other.raw)
+        {
             self.opened = other.opened.clone();
         }
     }
@@ -169,7 +196,8 @@ impl Volume {
             big_endian: brick.endian == Endian::Big,
             voxel: brick.voxel.into(),
         });
-        crate::import::read_volume(path, self.grid.as_deref(), raw.as_ref())
+        let choice = crate::import::Choice { grid: self.grid.as_deref(), raw, step: self.step };
+        crate::import::read_volume(path, &choice)
     }
 
     #[cfg(not(feature = "import"))]

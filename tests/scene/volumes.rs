@@ -3,7 +3,7 @@
 use std::{collections::HashMap, fs, path::PathBuf};
 
 use glam::{DVec3, IVec3};
-use nephos::import::{Grid, Raw, found_in, parse_volume, read_volume};
+use nephos::import::{Choice, Grid, Raw, found_in, parse_volume, read_volume};
 use nephos::{render::Frame, scene::Scene};
 use rand_chacha::{
     ChaCha8Rng,
@@ -44,7 +44,7 @@ fn assert_bump(grid: &Grid) {
 
 #[test]
 fn grids_packed_by_blosc_come_in_exactly_with_their_place() {
-    let grid = read_volume(&data("grids.vdb"), None, None).unwrap();
+    let grid = read_volume(&data("grids.vdb"), &Choice::default()).unwrap();
     assert_eq!((grid.name.as_str(), grid.count), ("density", values(&grid).len()));
     assert_bump(&grid);
     // Half a unit a voxel, moved.
@@ -54,7 +54,7 @@ fn grids_packed_by_blosc_come_in_exactly_with_their_place() {
 
 #[test]
 fn halves_come_in_exactly_with_inactive_values() {
-    let grid = read_volume(&data("half.vdb"), None, None).unwrap();
+    let grid = read_volume(&data("half.vdb"), &Choice::default()).unwrap();
     assert_bump(&grid);
     let found = &values(&grid);
     let row = |y: i32| (32..52).map(move |x| found.get(&[x, y, 100]).copied().unwrap_or_default());
@@ -66,13 +66,13 @@ fn halves_come_in_exactly_with_inactive_values() {
 #[test]
 fn other_numbers_pipes_and_old_formats_come_in_exactly() {
     for name in ["double.vdb", "stream.vdb", "old.vdb"] {
-        assert_bump(&read_volume(&data(name), None, None).unwrap_or_else(|error| panic!("{error}")));
+        assert_bump(&read_volume(&data(name), &Choice::default()).unwrap_or_else(|error| panic!("{error}")));
     }
 }
 
 #[test]
 fn tiles_are_filled_and_turned_spaces_read() {
-    let grid = read_volume(&data("grids.vdb"), Some("tiles"), None).unwrap();
+    let grid = read_volume(&data("grids.vdb"), &Choice { grid: Some("tiles"), ..Choice::default() }).unwrap();
     let found = values(&grid);
     assert_eq!(found.len(), 128 * 128 * 128 + 512 + 1);
     assert_eq!((found[&[128, 0, 0]], found[&[255, 127, 127]]), (0.25, 0.25));
@@ -85,11 +85,19 @@ fn tiles_are_filled_and_turned_spaces_read() {
 
 #[test]
 fn a_file_tells_all_its_grids_and_why_some_are_not_drawn() {
-    let found = found_in(&data("grids.vdb"), None).unwrap();
+    let found = found_in(&data("grids.vdb"), &Choice::default()).unwrap();
     let told: Vec<_> = found.iter().map(|f| (f.name.as_str(), f.grid.is_ok())).collect();
     assert_eq!(told, [("density", true), ("tiles", true), ("surface", false), ("velocity", false)]);
-    let why = |name: &str| read_volume(&data("grids.vdb"), Some(name), None).unwrap_err().to_string();
-    assert!(why("surface").contains("level set") && why("surface").contains("fog volume"), "{}", why("surface"));
+    let why = |name: &str| {
+        read_volume(&data("grids.vdb"), &Choice { grid: Some(name), ..Choice::default() })
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(
+        why("surface").contains("level set") && why("surface").contains("fog volume"),
+        "{}",
+        why("surface")
+    );
     assert!(why("velocity").contains("vec3s"), "{}", why("velocity"));
     let missing = why("fire");
     assert!(missing.contains("no grid `fire`") && missing.contains("`density`"), "{missing}");
@@ -98,7 +106,7 @@ fn a_file_tells_all_its_grids_and_why_some_are_not_drawn() {
 
 /// What is wrong with bytes.
 fn refused(bytes: &[u8], raw: Option<&Raw>) -> String {
-    parse_volume(bytes, None, raw).unwrap_err()
+    parse_volume(bytes, &Choice { raw: raw.copied(), ..Choice::default() }).unwrap_err()
 }
 
 #[test]
@@ -112,7 +120,7 @@ fn what_is_damaged_or_foreign_is_refused_in_a_sentence() {
     assert!(refused(&old, None).contains("version 199"));
     assert!(refused(b"PK\x03\x04 and more", None).contains("no volume that is read"));
     assert!(refused(b"", None).contains("no volume that is read"));
-    let folder = read_volume(&data(""), None, None).unwrap_err().to_string();
+    let folder = read_volume(&data(""), &Choice::default()).unwrap_err().to_string();
     assert!(folder.contains("is no file"), "{folder}");
 }
 
@@ -128,7 +136,7 @@ fn vol(size: [i32; 3], values: &[f32]) -> Vec<u8> {
 #[test]
 fn mitsubas_volumes_come_in_and_bad_values_do_not() {
     let mut values: Vec<f32> = (0..24).map(|i| i as f32).collect();
-    let grid = parse_volume(&vol([4, 3, 2], &values), None, None).unwrap();
+    let grid = parse_volume(&vol([4, 3, 2], &values), &Choice::default()).unwrap();
     let found = self::values(&grid);
     assert_eq!(found.len(), 23);
     assert_eq!((found[&[1, 0, 0]], found[&[0, 1, 0]], found[&[0, 0, 1]]), (1.0, 4.0, 12.0));
@@ -141,7 +149,7 @@ fn mitsubas_volumes_come_in_and_bad_values_do_not() {
     assert!(negative.contains("1 negative values") && negative.contains("-5"), "{negative}");
     // What a filter leaves is taken as none, and told.
     values[7] = -0.01;
-    assert_eq!(parse_volume(&vol([4, 3, 2], &values), None, None).unwrap().clamped, 1);
+    assert_eq!(parse_volume(&vol([4, 3, 2], &values), &Choice::default()).unwrap().clamped, 1);
     assert!(refused(&vol([4, 3, 2], &[0.0; 24]), None).contains("nothing above 0"));
     assert!(refused(&vol([4, 3, 3], &values), None).contains("ends early"));
     assert!(refused(&vol([40_000, 3, 3], &values), None).contains("40000 x 3 x 3"));
@@ -152,7 +160,7 @@ fn bricks_of_floats_come_in_by_their_size_and_the_order_of_bytes() {
     let numbers: Vec<f32> = (0..24).map(|i| 0.5 * i as f32).collect();
     let big: Vec<u8> = numbers.iter().flat_map(|x| x.to_be_bytes()).collect();
     let raw = Raw { size: [2, 3, 4], big_endian: true, voxel: DVec3::new(10.0, 20.0, 30.0) };
-    let grid = parse_volume(&big, None, Some(&raw)).unwrap();
+    let grid = parse_volume(&big, &Choice { raw: Some(raw), ..Choice::default() }).unwrap();
     assert_eq!((values(&grid)[&[1, 2, 3]], grid.voxel()), (11.5, raw.voxel));
     let other = refused(&big, Some(&Raw { big_endian: false, ..raw }));
     assert!(other.contains("other order") && other.contains("endian"), "{other}");
@@ -161,7 +169,7 @@ fn bricks_of_floats_come_in_by_their_size_and_the_order_of_bytes() {
     // The weather's way to say that there is nothing.
     let mut land = big.clone();
     land[92..].copy_from_slice(&1e35f32.to_be_bytes());
-    assert_eq!(parse_volume(&land, None, Some(&raw)).unwrap().most, 11.0);
+    assert_eq!(parse_volume(&land, &Choice { raw: Some(raw), ..Choice::default() }).unwrap().most, 11.0);
 }
 
 #[test]
@@ -181,7 +189,7 @@ fn damaged_volumes_are_refused_or_read_and_never_end_the_program() {
                 _ => bytes.truncate(at.max(8)),
             }
         }
-        match parse_volume(&bytes, None, None) {
+        match parse_volume(&bytes, &Choice::default()) {
             Ok(_) => read += 1,
             Err(problem) => {
                 refused += 1;
@@ -190,6 +198,31 @@ fn damaged_volumes_are_refused_or_read_and_never_end_the_program() {
         }
     }
     assert!(read > 20 && refused > 100, "{read} {refused}");
+}
+
+#[test]
+fn weather_comes_in_by_its_kinds_of_water_and_times() {
+    let found = found_in(&data("storm.nc"), &Choice::default()).unwrap();
+    let names: Vec<_> = found.iter().map(|f| (f.name.as_str(), f.grid.is_ok())).collect();
+    assert_eq!(names, [("density", true), ("QCLOUD", true), ("QRAIN", true)]);
+    let [all, cloud, rain] = [0, 1, 2].map(|i| found[i].grid.as_ref().unwrap());
+    assert!(all.quantity.contains("1/m") && all.place == cloud.place);
+    let sum = |grid: &Grid| grid.filled().map(|(_, value)| f64::from(value)).sum::<f64>();
+    assert!((sum(all) / (sum(cloud) + sum(rain)) - 1.0).abs() < 1e-6);
+    // 10 km apart on the map, whose scale is 1.1 there.
+    assert!((9000.0..9300.0).contains(&all.voxel().x), "{}", all.voxel());
+    let later = read_volume(&data("storm.nc"), &Choice { step: 1, ..Choice::default() }).unwrap();
+    assert_ne!(sum(&later), sum(all));
+    let missing =
+        read_volume(&data("storm.nc"), &Choice { step: 2, ..Choice::default() }).unwrap_err().to_string();
+    assert!(
+        missing.contains("has 2 times, and time 2 is asked for") && missing.contains("from 0 to 1"),
+        "{missing}"
+    );
+    let mut bytes = fs::read(data("storm.nc")).unwrap();
+    bytes.truncate(bytes.len() / 2);
+    assert!(!refused(&bytes, None).is_empty());
+    assert!(refused(b"CDF\x01 and nothing", None).contains("no NetCDF file that can be read"));
 }
 
 /// A folder with a scene of one volume, whose fields these are, and the file that it names.
@@ -212,7 +245,9 @@ fn a_scene_reads_its_volume_beside_it_and_keeps_it_through_time() {
     let scene = Scene::load(&path).unwrap();
     let (low, high) = scene.bounds().unwrap();
     // Voxels -2 to 15, 6 to 15, 101 to 107 are not empty and reach one farther; half a unit each, moved by 10, 20, 30.
-    let corner = |x: f64, y: f64, z: f64| DVec3::new(100.0 + 2.0 * (0.5 * x + 10.0), 50.0 + 2.0 * (0.5 * z + 30.0), -2.0 * (0.5 * y + 20.0));
+    let corner = |x: f64, y: f64, z: f64| {
+        DVec3::new(100.0 + 2.0 * (0.5 * x + 10.0), 50.0 + 2.0 * (0.5 * z + 30.0), -2.0 * (0.5 * y + 20.0))
+    };
     let grid = scene.clouds[0].volume.as_ref().unwrap().read_grid().unwrap();
     let (first, last) = grid.bounds;
     let [first, last] = [first - 1, last + 1].map(|at| at.as_dvec3());
@@ -257,15 +292,24 @@ fn what_is_wrong_with_a_volume_is_told_with_the_way_out() {
         (r#"{"volume": {}}"#, "clouds[0].volume.file: it is empty"),
         (r#"{"volume": {"file": "none.vdb"}}"#, "none.vdb"),
         (r#"{"volume": {"file": "some.vdb", "grid": "fire"}}"#, "has no grid `fire`: it has `density`"),
-        (r#"{"volume": {"file": "some.vdb", "extinction": -1}}"#, "clouds[0].volume.extinction: -1 is out of range"),
+        (
+            r#"{"volume": {"file": "some.vdb", "extinction": -1}}"#,
+            "clouds[0].volume.extinction: -1 is out of range",
+        ),
         (r#"{"volume": {"file": "some.vdb", "scale": 0}}"#, "clouds[0].volume.scale: 0 is out of range"),
         (r#"{"volume": {"file": "some.vdb", "scale": 1000000}}"#, "too far: change `scale` or `place`"),
         (r#"{"volume": {"file": "some.vdb", "orientation": [0, 0, 0, 0]}}"#, "clouds[0].volume.orientation"),
         (r#"{"volume": {"file": "some.vdb", "extinktion": 1}}"#, "did you mean `extinction`?"),
         (r#"{"volume": {"file": "some.vdb", "up": "x"}}"#, "unknown choice `x`"),
-        (r#"{"volume": {"file": "some.vdb", "raw": {"size": [4, 4, 4096]}}}"#, "4096 is out of range: expected 1 to 2048"),
+        (
+            r#"{"volume": {"file": "some.vdb", "raw": {"size": [4, 4, 4096]}}}"#,
+            "4096 is out of range: expected 1 to 2048",
+        ),
         (r#"{"volume": {"file": "some.vdb"}, "layer": {}}"#, "both `layer` and `volume`"),
-        (r#"{"volume": {"file": "some.vdb"}, "level": 900}"#, "both `volume` and `level`, which volumes do not have"),
+        (
+            r#"{"volume": {"file": "some.vdb"}, "level": 900}"#,
+            "both `volume` and `level`, which volumes do not have",
+        ),
         (r#"{"volume": {"file": "some.vdb"}, "growth": {"kind": "humilis"}}"#, "both `volume` and `growth`"),
     ];
     for (cloud, expected) in cases {

@@ -21,12 +21,7 @@ fn placed(random: &mut Random) -> Input {
     let rows = [turn.x_axis, turn.y_axis, turn.z_axis].map(|row| size * row);
     let shift = 10.0 * random.ball();
     let p = random.log(1.0, 1e4) * random.direction();
-    input([
-        vector(rows[0], shift.x),
-        vector(rows[1], shift.y),
-        vector(rows[2], shift.z),
-        vector(p, 0.0),
-    ])
+    input([vector(rows[0], shift.x), vector(rows[1], shift.y), vector(rows[2], shift.z), vector(p, 0.0)])
 }
 
 /// What rows make of the vector in x[3], and of 1.
@@ -66,8 +61,10 @@ fn places() -> Vec<Twin> {
         })
         .declaring(MAKE)
         .over("all", placed),
-        Twin::new("volume_exit", "volume", "return vec4f(volume_exit(x[0].xyz, x[1].xyz));", |x| one(exit(x)))
-            .over("all", going),
+        Twin::new("volume_exit", "volume", "return vec4f(volume_exit(x[0].xyz, x[1].xyz));", |x| {
+            one(exit(x))
+        })
+        .over("all", going),
         Twin::new("volume_level", "volume", "return vec4f(f32(volume_level(make(x), x[0].x)));", |x| {
             // Voxels of 20 m, of 40 and of 80.
             one([40.0, 80.0].iter().filter(|voxel| x[0][0] >= **voxel).count() as f64)
@@ -165,16 +162,11 @@ fn steps() -> Vec<Twin> {
         )
         .declaring(MAKE)
         .edges(line(&[0.0, 1e-6, 0.05, 1e3])),
-        Twin::new(
-            "volume_facing",
-            "volume",
-            "return vec4f(volume_facing(make(x), x[0].xyz), 0.0);",
-            |x| {
-                // Of length 1 but where hardly anything changes: a thousandth of the greatest extinction.
-                let slope = xyz(x[0]);
-                three(-slope / slope.length().max(f64::from(1e-3f32) * f64::from(0.05f32)))
-            },
-        )
+        Twin::new("volume_facing", "volume", "return vec4f(volume_facing(make(x), x[0].xyz), 0.0);", |x| {
+            // Of length 1 but where hardly anything changes: a thousandth of the greatest extinction.
+            let slope = xyz(x[0]);
+            three(-slope / slope.length().max(f64::from(1e-3f32) * f64::from(0.05f32)))
+        })
         .declaring(MAKE)
         .over("all", |random| input([vector(random.log(1e-6, 1e-1) * random.direction(), 0.0)])),
     ]

@@ -30,9 +30,9 @@ pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
+pub(crate) use volume::{Bricks as VolumeBricks, VOLUME, VolumeShape, VolumeTextures, VolumeUniform};
 #[cfg(test)]
 pub(crate) use volume::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
-pub(crate) use volume::{Bricks as VolumeBricks, VOLUME, VolumeShape, VolumeTextures, VolumeUniform};
 pub(crate) use world::World;
 
 use crate::{

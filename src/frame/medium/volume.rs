@@ -104,6 +104,14 @@ impl VolumeShape {
         (low.max(own_low), high.min(own_high))
     }
 
+    /// The greatest extinction in a ball, 1/m: never too small.
+    pub fn most_within(&self, center: Vec3, radius: f32) -> f32 {
+        let rows = [self.uniform.row_x, self.uniform.row_y, self.uniform.row_z];
+        let place = Vec3::from(rows.map(|row| row.dot(center.extend(1.0))));
+        let half = Vec3::from(rows.map(|row| row.truncate().length() * radius)) + 1e-3;
+        self.uniform.extinction * self.bricks.most_between(place - half, place + half)
+    }
+
     /// Ellipsoids that hold all of it, in a frame whose origin is at `origin`: who asks which parts of a picture or a
     /// box it is in, asks them. Each is as dense as what it holds is at the most.
     pub fn proxies(&self, cloud: &Cloud, volume: &Volume, origin: DVec3) -> Vec<EllipsoidUniform> {
@@ -121,16 +129,17 @@ impl VolumeShape {
         parts.sort_by_key(|(part, _)| *part);
         let axes = world.matrix3;
         let lengths = DVec3::new(axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length());
-        let turned = glam::DMat3::from_cols(
-            axes.x_axis / lengths.x,
-            axes.y_axis / lengths.y,
-            axes.z_axis / lengths.z,
-        );
+        let turned =
+            glam::DMat3::from_cols(axes.x_axis / lengths.x, axes.y_axis / lengths.y, axes.z_axis / lengths.z);
         // A mirrored or skewed grid has no rotation: balls hold its parts as well.
         let straight = (turned * turned.transpose()).abs_diff_eq(glam::DMat3::IDENTITY, 1e-9);
         let rotation = straight.then(|| {
             let sign = turned.determinant().signum();
-            glam::DQuat::from_mat3(&glam::DMat3::from_cols(turned.x_axis, turned.y_axis, sign * turned.z_axis))
+            glam::DQuat::from_mat3(&glam::DMat3::from_cols(
+                turned.x_axis,
+                turned.y_axis,
+                sign * turned.z_axis,
+            ))
         });
         let proxy = |(_, (first, last, most)): &([i32; 3], (IVec3, IVec3, f32))| {
             let half = 0.5 * (*last - *first).as_dvec3() + 1.0;
@@ -267,6 +276,25 @@ impl Bricks {
         Ok(size)
     }
 
+    /// The greatest value between two places among the bricks, as a share of the greatest of all; no less than that.
+    fn most_between(&self, low: Vec3, high: Vec3) -> f32 {
+        let Some(level) = self.levels.first() else { return 0.0 };
+        let last = level.size.as_ivec3() - 1;
+        let low = low.floor().as_ivec3().max(IVec3::ZERO);
+        let high = high.floor().as_ivec3().min(last);
+        let mut most = 0;
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let place = IVec3::new(x, y, z).as_uvec3();
+                    let entry = level.first + (place.z * level.size.y + place.y) * level.size.x + place.x;
+                    most = most.max(self.index[entry as usize] >> 24);
+                }
+            }
+        }
+        most as f32 / 255.0
+    }
+
     fn table(&self) -> [[u32; 4]; LEVELS] {
         let row = |level: &Level| [level.size.x, level.size.y, level.size.z, level.first];
         std::array::from_fn(|i| self.levels.get(i).map(row).unwrap_or_default())
@@ -306,11 +334,8 @@ impl Bricks {
                 }
             }
             let number = number as u32;
-            let origin = wgpu::Origin3d {
-                x: 0,
-                y: CORNERS * (number % slots.y),
-                z: CORNERS * (number / slots.y),
-            };
+            let origin =
+                wgpu::Origin3d { x: 0, y: CORNERS * (number % slots.y), z: CORNERS * (number / slots.y) };
             queue.write_texture(
                 wgpu::TexelCopyTextureInfo { origin, ..atlas.as_image_copy() },
                 bytemuck::cast_slice(&texels),
@@ -331,7 +356,10 @@ impl Bricks {
     /// The texels of a brick as shares of the greatest value, x fastest.
     fn halves(&self, level: u32, at: IVec3) -> Vec<f16> {
         let scale = 1.0 / self.most;
-        texels(&self.levels[level as usize].blocks, at).into_iter().map(|v| f16::from_f32(scale * v)).collect()
+        texels(&self.levels[level as usize].blocks, at)
+            .into_iter()
+            .map(|v| f16::from_f32(scale * v))
+            .collect()
     }
 }
 
@@ -426,7 +454,8 @@ mod tests {
     fn every_level_holds_the_same_matter() {
         let bricks = Bricks::of(&grid()).unwrap();
         assert!(bricks.levels.len() >= 3);
-        let sum = |level: &Level| level.blocks.values().flat_map(|b| b.iter()).map(|v| f64::from(*v)).sum::<f64>();
+        let sum =
+            |level: &Level| level.blocks.values().flat_map(|b| b.iter()).map(|v| f64::from(*v)).sum::<f64>();
         let whole = sum(&bricks.levels[0]);
         for (i, level) in bricks.levels.iter().enumerate() {
             // Where a level begins it has no point before its first.

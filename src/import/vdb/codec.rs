@@ -120,7 +120,9 @@ impl Packing {
 }
 
 fn wrong_size(found: usize, expected: usize) -> Problem {
-    format!("is damaged: {found} bytes of values are not the {expected} that there should be; export it again")
+    format!(
+        "is damaged: {found} bytes of values are not the {expected} that there should be; export it again"
+    )
 }
 
 /// Zip: just `size` bytes.
@@ -171,10 +173,8 @@ fn blosc(packed: &[u8], size: usize) -> Result<Vec<u8>, Problem> {
         let length = block.min(size - number * block);
         let mut stream = Bytes::new(packed);
         stream.seek(begin.into())?;
-        let splits = flags & ONE_STREAM == 0
-            && length == block
-            && width <= MOST_SPLIT
-            && block / width >= LEAST_SPLIT;
+        let splits =
+            flags & ONE_STREAM == 0 && length == block && width <= MOST_SPLIT && block / width >= LEAST_SPLIT;
         let count = if splits { width } else { 1 };
         let mut shuffled = Vec::with_capacity(length);
         for _ in 0..count {
@@ -189,7 +189,9 @@ fn blosc(packed: &[u8], size: usize) -> Result<Vec<u8>, Problem> {
 }
 
 fn other_codec(name: &str) -> Problem {
-    format!("is packed by Blosc with {name}, which is not read: save it with zip or Blosc's LZ4, as OpenVDB does")
+    format!(
+        "is packed by Blosc with {name}, which is not read: save it with zip or Blosc's LZ4, as OpenVDB does"
+    )
 }
 
 /// A stream of `size` bytes.

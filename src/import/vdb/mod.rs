@@ -72,7 +72,9 @@ pub(super) fn read(all: &[u8], wanted: Option<&str>) -> Result<Vec<Found>, Probl
         if is_wanted || !head.has_offsets {
             let read = match (grid.shares.is_empty(), number(&grid.kind)) {
                 (true, Some(number)) => read_grid(&mut head, &grid, number, &mut bytes),
-                (false, _) => Err(format!("has `{}` as a copy of `{}`: choose that one", grid.name, grid.shares)),
+                (false, _) => {
+                    Err(format!("has `{}` as a copy of `{}`: choose that one", grid.name, grid.shares))
+                }
                 (true, None) => Err(format!(
                     "has `{}` as a {}, and what is read are Tree_float_5_4_3, _double_ and _half_: choose another grid, or \
                      convert it",

@@ -51,7 +51,10 @@ impl<'a> Tree<'a> {
             let value = packing.number.read(&mut tree.bytes)?;
             tree.bytes.byte()?;
             if value != 0.0 {
-                return Err("has the same value over 4096 voxels and more along each axis: export it coarser".to_owned());
+                return Err(
+                    "has the same value over 4096 voxels and more along each axis: export it coarser"
+                        .to_owned(),
+                );
             }
         }
         for _ in 0..nodes {
@@ -72,7 +75,9 @@ impl<'a> Tree<'a> {
         if corner.to_array().into_iter().all(near) {
             return Ok(corner);
         }
-        Err(format!("has voxels at {corner}: it is damaged, or lies too far from its origin; export it again"))
+        Err(format!(
+            "has voxels at {corner}: it is damaged, or lies too far from its origin; export it again"
+        ))
     }
 
     /// Topology of an inner node, with values that fill all of a child.
