@@ -82,11 +82,20 @@ fn volume_coordinate(volume: Volume, number: u32, inside: vec3f) -> vec3f {
     return (vec3f(slot) + 0.5 + f32(VOLUME_CELLS) * inside) * volume.texel;
 }
 
-// Distance along a ray, m, from a place to beyond the walls of its brick, by a way in bricks each metre.
-fn volume_exit(place: vec3f, way: vec3f) -> f32 {
-    let walls = floor(place) + select(vec3f(0.0), vec3f(1.0), way > vec3f(0.0)) - place;
+// What a place is beyond a wall, in bricks, to be behind it.
+const VOLUME_NUDGE: f32 = 1e-4;
+
+// The brick that a ray goes on in from a place among bricks: behind the walls that it is at. Walls belong to the
+// bricks on both of their sides.
+fn volume_ahead(place: vec3f, way: vec3f) -> vec3f {
+    return floor(place + select(vec3f(-VOLUME_NUDGE), vec3f(VOLUME_NUDGE), way > vec3f(0.0)));
+}
+
+// Distance along a ray, m, from a place to where it leaves the brick that it goes on in, by a way in bricks each metre.
+fn volume_exit(place: vec3f, brick: vec3f, way: vec3f) -> f32 {
+    let walls = brick + select(vec3f(0.0), vec3f(1.0), way > vec3f(0.0)) - place;
     let ways = abs(walls / steady_direction(way));
-    return min(ways.x, min(ways.y, ways.z)) + 1e-4 / max(length(way), 1e-12);
+    return min(ways.x, min(ways.y, ways.z));
 }
 
 // Optical depth of a voxel that is not thin, and the voxels that steps go by where it is thick and where it is clear.

@@ -14,9 +14,8 @@ fn medium_species(body: u32) -> Species {
     return bodies[body].species;
 }
 
-// What the index tells of the brick at a place among the bricks of a level.
-fn entry_at(place: vec3f, level: u32) -> u32 {
-    let brick = floor(place);
+// What the index tells of a brick of a level.
+fn entry_of(brick: vec3f, level: u32) -> u32 {
     if !volume_holds(volume_frame, level, brick) {
         return VOLUME_EMPTY;
     }
@@ -27,11 +26,12 @@ fn entry_at(place: vec3f, level: u32) -> u32 {
 fn extinction_of(p: vec3f, footprint: f32) -> f32 {
     let level = volume_level(volume_frame, footprint);
     let place = volume_scale(level) * volume_place(volume_frame, p);
-    let entry = entry_at(place, level);
+    let brick = floor(place);
+    let entry = entry_of(brick, level);
     if entry == VOLUME_EMPTY {
         return 0.0;
     }
-    let coordinate = volume_coordinate(volume_frame, volume_number(entry), place - floor(place));
+    let coordinate = volume_coordinate(volume_frame, volume_number(entry), place - brick);
     return volume_frame.extinction * textureSampleLevel(volume_atlas, volume_sampler, coordinate, 0.0).r;
 }
 
@@ -81,12 +81,14 @@ fn medium_ahead(region: Region, origin: vec3f, direction: vec3f, t: f32) -> Stre
         count(MAP_READS, 1u);
         let place = start + here * way;
         var scale = volume_scale(above);
-        entry = entry_at(scale * place, above);
+        var brick = volume_ahead(scale * place, way);
+        entry = entry_of(brick, above);
         if entry != VOLUME_EMPTY {
             scale = volume_scale(level);
-            entry = entry_at(scale * place, level);
+            brick = volume_ahead(scale * place, way);
+            entry = entry_of(brick, level);
         }
-        let exit = min(here + volume_exit(scale * place, scale * way), span.y);
+        let exit = min(here + volume_exit(scale * place, brick, scale * way), span.y);
         if entry != VOLUME_EMPTY {
             if here > t {
                 break;

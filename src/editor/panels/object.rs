@@ -42,7 +42,7 @@ impl ObjectPanel {
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
         if cloud.volume.is_some() {
             section(ui, "Volume", true, |ui| volume(ui, document, index, &cloud));
-            section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
+            section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
             return;
         }
         let is_layer = cloud.layer.is_some();
@@ -54,7 +54,7 @@ impl ObjectPanel {
         if !is_layer {
             section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
         }
-        section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
+        section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
     }
 
     fn grow(&mut self, ui: &mut Ui, document: &mut Document) {
@@ -257,16 +257,20 @@ fn life(ui: &mut Ui, document: &mut Document, index: usize, mut life: Option<Lif
     apply(document, change, |scene| scene.clouds[index].life = own.then_some(rows));
 }
 
-fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Droplets) {
-    let default = Droplets::default();
+fn droplets(ui: &mut Ui, document: &mut Document, index: usize, cloud: &Cloud) {
+    let (mut water, default) = (cloud.droplets.clone(), Droplets::default());
     let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
-    form.slider(
-        "Droplets.concentration_per_cm3",
-        "Concentration",
-        &mut water.concentration_per_cm3,
-        default.concentration_per_cm3,
-        0.0..=1000.0,
-    );
+    // A volume tells by itself how dense it is.
+    let is_counted = cloud.volume.is_none();
+    if is_counted {
+        form.slider(
+            "Droplets.concentration_per_cm3",
+            "Concentration",
+            &mut water.concentration_per_cm3,
+            default.concentration_per_cm3,
+            0.0..=1000.0,
+        );
+    }
     form.number(
         "Droplets.effective_radius_um",
         "Effective radius",
@@ -285,7 +289,7 @@ fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Dropl
     form.number("Droplets.albedo", "Albedo", &mut water.albedo, default.albedo);
     let change = form.changed();
     let path = 1.0 / water.extinction();
-    if path.is_finite() {
+    if is_counted && path.is_finite() {
         hint(ui, &format!("Mean free path of light: {path:.1} m"));
     }
     apply(document, change, |scene| scene.clouds[index].droplets = water);
