@@ -77,7 +77,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "path",
             "Scene",
-            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature),
+            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature, flash),
         ),
         (
             "march",
@@ -110,7 +110,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Volume",
             layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, levels),
         ),
-        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
+        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (
             "march",
             "Body",
@@ -124,7 +124,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "moments_sweep",
             "Field",
-            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam, repeats),
+            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam, flash, repeats),
         ),
         (
             "march",
