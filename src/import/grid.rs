@@ -28,6 +28,8 @@ pub struct Grid {
     pub most: f32,
     /// Voxels that are not 0.
     pub count: usize,
+    /// Sum of all values.
+    pub total: f64,
     /// Negative values that were taken as 0.
     pub clamped: usize,
 }
@@ -75,6 +77,7 @@ impl Grid {
             bounds: (IVec3::ZERO, IVec3::ZERO),
             most,
             count: 0,
+            total: 0.0,
             clamped,
         };
         let bounds = grid.filled().map(|(at, _)| (at, at)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
@@ -88,7 +91,9 @@ impl Grid {
                 size.x, size.y, size.z, grid.name
             ));
         }
-        grid.count = grid.filled().count();
+        let sum =
+            |(count, total): (usize, f64), (_, value): (IVec3, f32)| (count + 1, total + f64::from(value));
+        (grid.count, grid.total) = grid.filled().fold((0, 0.0), sum);
         Ok(grid)
     }
 

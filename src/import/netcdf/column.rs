@@ -8,12 +8,11 @@ pub(super) fn even(walls: &[f64], amounts: &[f64], edge: f64, count: usize) -> V
         let (low, high) = (pair[0] / edge, pair[1] / edge);
         let last = count.saturating_sub(1) as f64;
         let (first, end) = (low.floor().clamp(0.0, last), high.ceil().clamp(1.0, last + 1.0));
-        for i in first as usize..end as usize {
+        for (i, held) in cells.iter_mut().enumerate().take(end as usize).skip(first as usize) {
             let cell = i as f64;
             let below = if i == 0 { f64::NEG_INFINITY } else { cell };
             let above = if i + 1 == count { f64::INFINITY } else { cell + 1.0 };
-            let share = (high.min(above) - low.max(below)).max(0.0);
-            cells[i] += amount * share;
+            *held += amount * (high.min(above) - low.max(below)).max(0.0);
         }
     }
     cells
