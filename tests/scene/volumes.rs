@@ -250,7 +250,7 @@ fn a_scene_reads_its_volume_beside_it_and_keeps_it_through_time() {
     };
     let grid = scene.clouds[0].volume.as_ref().unwrap().read_grid().unwrap();
     let (first, last) = grid.bounds;
-    let [first, last] = [first - 1, last + 1].map(|at| at.as_dvec3());
+    let [first, last] = [first - 1, last + 1].map(IVec3::as_dvec3);
     assert!(low.distance(corner(first.x, last.y, first.z)) < 1e-9, "{low}");
     assert!(high.distance(corner(last.x, first.y, last.z)) < 1e-9, "{high}");
     let later = scene.at(5.0).unwrap();
