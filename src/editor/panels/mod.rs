@@ -2,6 +2,7 @@
 
 mod growth;
 mod layer;
+mod lights;
 mod object;
 mod outliner;
 mod outliner_row;
@@ -15,6 +16,7 @@ mod world;
 
 use eframe::egui::{self, RichText, Ui};
 
+pub use lights::LightsPanel;
 pub use object::ObjectPanel;
 pub use outliner::Outliner;
 pub use picture::{PicturePanel, PictureWish};
