@@ -20,6 +20,7 @@ use super::{
     theme,
     viewport::{ViewCommand, ViewSettings, Viewport},
 };
+use crate::scene::Volume;
 
 /// What the editor starts with.
 #[derive(Debug, Clone)]
@@ -181,7 +182,10 @@ impl Editor {
     fn take_in(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.ask(ctx, Then::Open(path));
+            match Volume::is_named(&path) {
+                true => self.add_volume(&path),
+                false => self.ask(ctx, Then::Open(path)),
+            }
         }
         if self.job.as_ref().is_some_and(StillJob::is_finished)
             && let Some(job) = self.job.take()
