@@ -1,6 +1,7 @@
 //! The editor as a whole: its state, and one frame of it.
 
 use std::{
+    num::NonZeroUsize,
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -12,6 +13,7 @@ use super::{
     actions::Action,
     asking::{Dialog, Then},
     choosing::{Choosing, Purpose},
+    inbox,
     labels::name_widget,
     notices::Notices,
     panels::{ObjectPanel, Outliner, PicturePanel, TimelinePanel, ViewPanel, Wish, WorldPanel},
@@ -78,7 +80,11 @@ impl Editor {
     /// An editor whose viewport draws with the window's device.
     pub fn new(ctx: &Context, render_state: &egui_wgpu::RenderState, options: Options) -> Self {
         theme::dress(ctx);
-        ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        ctx.options_mut(|options| {
+            options.zoom_with_keyboard = false;
+            options.max_passes = NonZeroUsize::new(inbox::PASSES).unwrap_or(NonZeroUsize::MIN);
+        });
+        ctx.add_plugin(inbox::Inbox::default());
         let settings = Settings::load(&options.places);
         let (session, problem) = Session::begin(&options.places);
         let mut viewport = Viewport::new(render_state);

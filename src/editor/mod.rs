@@ -10,6 +10,7 @@ mod document;
 mod files;
 mod form;
 mod growing;
+mod inbox;
 mod keying;
 mod labels;
 mod menu;
