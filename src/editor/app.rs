@@ -73,6 +73,8 @@ pub struct Editor {
     pub(super) seed: u64,
     keep_after: Duration,
     title: String,
+    /// The settings as they are in their file.
+    written: Option<Settings>,
     looked: Instant,
 }
 
@@ -111,6 +113,7 @@ impl Editor {
             seed: 0,
             keep_after: options.keep_after,
             title: String::new(),
+            written: None,
             looked: Instant::now(),
         };
         editor.apply_settings(ctx);
@@ -211,6 +214,7 @@ impl Editor {
         if back || self.looked.elapsed() > Duration::from_secs(2) {
             self.looked = Instant::now();
             self.notice_changes();
+            self.write_settings();
         }
     }
 
@@ -311,9 +315,14 @@ impl Editor {
         }
     }
 
-    /// Writes down what is to be remembered: when the editor ends.
+    /// Writes down what is to be remembered, where it changed: in a while, and when the editor ends.
     pub fn write_settings(&mut self) {
         self.settings.viewport = serde_json::to_value(&self.viewport.settings).unwrap_or_default();
+        if self.written.as_ref() == Some(&self.settings) {
+            return;
+        }
+        // Told once, not every time.
+        self.written = Some(self.settings.clone());
         if let Err(error) = self.settings.save(&self.places) {
             tracing::warn!(%error, "the settings were not saved");
         }

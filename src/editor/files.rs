@@ -20,14 +20,21 @@ use crate::scene::Scene;
 impl Editor {
     /// What the editor begins with.
     pub(super) fn begin(&mut self, scene: Option<PathBuf>) {
-        let nothing = scene.is_none();
         if let Some(path) = scene {
             self.open(&path);
         }
         let kept = self.session.left_behind();
         if !kept.is_empty() {
             self.dialog = Some(Dialog::Recover(kept));
-        } else if nothing {
+        } else {
+            self.welcome();
+        }
+    }
+
+    /// The start window, where there is nothing else to look at: no file, no cloud, no question.
+    fn welcome(&mut self) {
+        let untouched = self.session.path().is_none() && !self.document.is_dirty();
+        if untouched && self.dialog.is_none() && self.document.scene().clouds.is_empty() {
             self.dialog = Some(Dialog::Welcome);
         }
     }
@@ -184,6 +191,9 @@ impl Editor {
                 if !stays && !left.is_empty() && left.len() < kept.len() && !self.document.is_dirty() {
                     self.dialog = Some(Dialog::Recover(left));
                 }
+                if !stays {
+                    self.welcome();
+                }
                 stays
             }
             Dialog::Unsaved(then) => stay(dialogs::unsaved(ctx, &name), |what| match what {
@@ -206,7 +216,11 @@ impl Editor {
             }),
             Dialog::Choosing(choosing, then) => {
                 let purpose = choosing.purpose;
-                stay(choosing.show(ctx), |path| match purpose {
+                let answer = choosing.show(ctx);
+                if answer == Answer::Closed && purpose == Purpose::Open {
+                    self.welcome();
+                }
+                stay(answer, |path| match purpose {
                     Purpose::Open => self.open(&path),
                     Purpose::Save => self.save_to(ctx, &path, then.take()),
                     Purpose::Picture => {

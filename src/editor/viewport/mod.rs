@@ -299,9 +299,13 @@ impl Viewport {
         self.draw_truth(painter);
     }
 
-    /// A view through the scene's camera stays there when curves move the camera.
+    /// A view through the scene's camera stays there when curves move the camera. An automatic one is where
+    /// it was when one looked: it would jump at each edit.
     fn follow_camera(&mut self, document: &Document) {
-        let camera = document.scene().camera();
+        let Some(camera) = document.scene().camera.clone() else {
+            self.camera = None;
+            return;
+        };
         let before = self.camera.replace(camera.clone());
         let moved = before.filter(|before| *before != camera);
         if self.glide.is_none() && moved.is_some_and(|before| self.is_at(&before)) {
@@ -353,8 +357,9 @@ impl Viewport {
             overlay::frame(painter, self.rect, navigation::PICTURE_ASPECT as f32);
         }
         // Between truth and preview nothing shall stand that is not needed.
-        let all = self.settings.outlines && !self.truth;
-        overlay::outlines(painter, &lens, scene, selection, self.hover.ellipsoid, all);
+        let mouse = ui.input(|input| input.pointer.hover_pos());
+        let mouse = mouse.filter(|at| self.settings.outlines && !self.truth && self.rect.contains(*at));
+        overlay::outlines(painter, &lens, scene, selection, self.hover.ellipsoid, mouse);
         if let Some(area) = self.box_area(ui) {
             let found = pick::in_box(scene, &lens, area);
             overlay::centers(painter, &lens, scene, |id| found.contains(&id));
