@@ -106,8 +106,8 @@ impl Render {
         let mut painter = self.picture.painter()?;
         painter.count(self.stats);
         let started = Instant::now();
-        let bar = terminal::progress("rendering");
-        let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
+        let bar = terminal::share("rendering");
+        let mut progress = |share: f64| bar.set(share);
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", self.output.display()));
         let metered = match format {
@@ -124,7 +124,7 @@ impl Render {
             notes: Notes::default(),
         };
         let traced = self.picture.draw_to_file(&mut painter, &job, &mut progress)?;
-        bar.finish_and_clear();
+        bar.finish();
         self.tell(&painter, metered, traced.as_ref(), started.elapsed().as_secs_f64())
     }
 

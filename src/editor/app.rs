@@ -14,11 +14,11 @@ use super::{
     asking::{Dialog, Then},
     choosing::{Choosing, Purpose},
     inbox,
+    jobs::{Ended, JobForm, Jobs, Program},
     labels::name_widget,
     notices::Notices,
-    panels::{ObjectPanel, Outliner, PicturePanel, TimelinePanel, ViewPanel, Wish, WorldPanel},
+    panels::{ObjectPanel, Outliner, TimelinePanel, ViewPanel, Wish, WorldPanel},
     settings::{Look, Places, Settings},
-    still::{Outcome, StillJob},
     theme,
     viewport::{ViewCommand, ViewSettings, Viewport},
 };
@@ -32,12 +32,14 @@ pub struct Options {
     pub places: Places,
     /// How long unsaved work may be lost by a crash.
     pub keep_after: Duration,
+    /// What renders and exports beside the work; nothing where there is none.
+    pub program: Option<Program>,
 }
 
 impl Options {
     /// Opens `scene`, or nothing, and keeps the editor's own files in `places`.
     pub fn new(scene: Option<PathBuf>, places: Places) -> Self {
-        Self { scene, places, keep_after: Duration::from_secs(10) }
+        Self { scene, places, keep_after: Duration::from_secs(10), program: None }
     }
 }
 
@@ -61,12 +63,15 @@ pub struct Editor {
     pub(super) object: ObjectPanel,
     pub(super) world: WorldPanel,
     pub(super) view: ViewPanel,
-    pub(super) picture: PicturePanel,
+    pub(super) form: JobForm,
     pub(super) timeline: TimelinePanel,
     pub(super) tab: Tab,
     pub(super) dialog: Option<Dialog>,
     pub(super) notices: Notices,
-    pub(super) job: Option<StillJob>,
+    pub(super) program: Option<Program>,
+    pub(super) jobs: Jobs,
+    /// Whether the window was told to close while there were jobs.
+    pub(super) warned: bool,
     pub(super) closing: bool,
     pub(super) had_focus: bool,
     /// Seed of the last preset.
@@ -102,12 +107,14 @@ impl Editor {
             object: ObjectPanel::default(),
             world: WorldPanel::default(),
             view: ViewPanel,
-            picture: PicturePanel::default(),
+            form: JobForm::default(),
             timeline: TimelinePanel::default(),
             tab: Tab::default(),
             dialog: None,
             notices: Notices::default(),
-            job: None,
+            program: options.program,
+            jobs: Jobs::default(),
+            warned: false,
             closing: false,
             had_focus: true,
             seed: 0,
@@ -164,9 +171,14 @@ impl Editor {
         self.document.scene().timeline.is_some() && self.settings.shows("timeline")
     }
 
-    /// Whether a picture is being drawn.
-    pub fn is_rendering(&self) -> bool {
-        self.job.is_some()
+    /// Whether there are jobs that are not at their end.
+    pub fn has_jobs(&self) -> bool {
+        self.jobs.are_busy()
+    }
+
+    /// The jobs, to be added to.
+    pub fn jobs_mut(&mut self) -> &mut Jobs {
+        &mut self.jobs
     }
 
     /// One frame.
@@ -181,6 +193,7 @@ impl Editor {
         CentralPanel::default()
             .frame(Frame::new().fill(ctx.global_style().visuals.extreme_bg_color))
             .show(ui, |ui| self.viewport.ui(ui, &mut self.document));
+        self.jobs.show(&ctx);
         self.dialogs(&ctx);
         self.shortcuts(&ctx);
         self.wind_up(&ctx);
@@ -192,19 +205,10 @@ impl Editor {
         if let Some(path) = dropped {
             self.ask(ctx, Then::Open(path));
         }
-        if self.job.as_ref().is_some_and(StillJob::is_finished)
-            && let Some(job) = self.job.take()
-        {
-            match job.finish() {
-                Outcome::Written(path, time) => {
-                    self.notices.news(format!(
-                        "The picture is {} ({:.1} s).",
-                        path.display(),
-                        time.as_secs_f64()
-                    ));
-                }
-                Outcome::Cancelled => self.notices.news("The picture was cancelled; nothing was written."),
-                Outcome::Failed(error) => self.notices.problem(error),
+        for ended in self.jobs.go_on(ctx) {
+            match ended {
+                Ended::Well(text) => self.notices.news(text),
+                Ended::Badly(text) => self.notices.problem(text),
             }
         }
         let has_focus = ctx.input(|input| input.focused);
@@ -340,7 +344,7 @@ impl Editor {
     /// Begins to choose a file.
     pub(super) fn choose(&mut self, ctx: &Context, purpose: Purpose, then: Option<Then>) {
         let near = match purpose {
-            Purpose::Picture => PathBuf::from(&self.picture.path),
+            Purpose::Job => self.form.output(),
             Purpose::Open | Purpose::Save => self.near(purpose),
         };
         let own = self.settings.own_file_window || !super::choosing::system_has_a_window();

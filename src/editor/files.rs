@@ -10,9 +10,8 @@ use super::{
     asking::{Dialog, Then},
     choosing::Purpose,
     dialogs::{self, Beginning, Changed, Recover, Unsaved},
+    jobs::{JobWish, Order},
     palette::Answer,
-    panels::PictureWish,
-    still::StillJob,
     viewport::ViewCommand,
 };
 use crate::scene::Scene;
@@ -69,7 +68,7 @@ impl Editor {
     fn start(&mut self, scene: Scene) {
         self.session.start_new();
         self.replace(Document::new(scene));
-        self.picture.path.clear();
+        self.form.forget_files();
     }
 
     fn replace(&mut self, document: Document) {
@@ -84,7 +83,7 @@ impl Editor {
             Ok(scene) => {
                 self.replace(Document::new(scene));
                 self.remember(path);
-                self.picture.path.clear();
+                self.form.forget_files();
                 if self.session.is_read_only() {
                     let name = self.session.name();
                     self.notices.problem(format!("{name} is read-only: save changes under another name."));
@@ -162,9 +161,13 @@ impl Editor {
             self.dialog = Some(Dialog::Unsaved(Then::Close));
             return;
         }
-        if let Some(job) = &self.job {
-            job.cancel();
+        if self.jobs.are_busy() && !std::mem::replace(&mut self.warned, true) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            (self.closing, self.jobs.is_open) = (false, true);
+            self.notices.problem("Jobs are under way: wait for them, or close once more to stop them.");
+            return;
         }
+        self.jobs.stop_all();
     }
 
     /// Shows what is open over everything else.
@@ -223,16 +226,19 @@ impl Editor {
                 stay(answer, |path| match purpose {
                     Purpose::Open => self.open(&path),
                     Purpose::Save => self.save_to(ctx, &path, then.take()),
-                    Purpose::Picture => {
-                        self.picture.path = path.display().to_string();
-                        self.dialog = Some(Dialog::Picture);
+                    Purpose::Job => {
+                        self.form.set_output(&path);
+                        self.dialog = Some(Dialog::Job);
                     }
                 })
             }
-            Dialog::Picture => stay(self.picture.show(ctx), |wish| match wish {
-                PictureWish::Choose => self.choose(ctx, Purpose::Picture, None),
-                PictureWish::Render => self.render(ctx),
-            }),
+            Dialog::Job => {
+                let Some(program) = &self.program else { return None };
+                stay(self.form.show(ctx, program), |wish| match wish {
+                    JobWish::Choose => self.choose(ctx, Purpose::Job, None),
+                    JobWish::Begin => self.begin_job(),
+                })
+            }
             Dialog::Palette(palette) => {
                 stay(palette.show(ctx, |action| self.can(action)), |action| self.perform(ctx, action))
             }
@@ -261,15 +267,29 @@ impl Editor {
         }
     }
 
-    /// Begins to draw the picture that was asked for.
-    fn render(&mut self, ctx: &Context) {
-        if self.job.is_some() {
-            self.notices.problem("A picture is being drawn already: wait for it, or cancel it below.");
-            return;
+    /// Asks for a job of a kind.
+    pub(super) fn ask_for_job(&mut self, kind: usize) {
+        if let Some(program) = &self.program {
+            let adapter = &self.viewport.gpu().adapter.name;
+            self.form.begin(program, kind, self.session.path(), adapter);
+            self.dialog = Some(Dialog::Job);
         }
-        let gpu = self.viewport.gpu().clone();
-        let scene = self.document.shared_scene();
-        self.job = Some(StillJob::begin(gpu, scene, self.picture.still(), ctx.clone()));
+    }
+
+    /// Puts the job that was asked for into the queue, with the scene as it is now.
+    fn begin_job(&mut self) {
+        let Some(program) = &self.program else { return };
+        let Some(kind) = self.form.kind(program) else { return };
+        let stem =
+            Path::new(&self.session.name()).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scene = match self.jobs.keep(&self.places.jobs(), &stem, &self.document.file_scene()) {
+            Ok(scene) => scene,
+            Err(error) => return self.notices.problem(error),
+        };
+        let mut words = vec![program.path.display().to_string()];
+        words.extend(self.form.words(kind, &scene.display().to_string()));
+        self.jobs.add(Order { title: kind.title, words, output: self.form.output(), scene });
+        self.warned = false;
     }
 
     /// Looks at all clouds where the first one was just added.

@@ -197,10 +197,10 @@ impl Sequence {
         let mut brush =
             self.brush(scene).map_err(|error| stopped(error, || kept(report.found, stills.len())))?;
         let mut last: Option<(&Stamp, PathBuf)> = None;
-        let bar = terminal::progress("frames");
+        let bar = terminal::share("frames");
         for (i, still) in missing.iter().enumerate() {
             let mut progress = |share: f64| {
-                bar.set_position((1000.0 * (i as f64 + share) / missing.len() as f64) as u64);
+                bar.set((i as f64 + share) / missing.len() as f64);
             };
             let file = pattern.file(still.number);
             match &last {
@@ -219,7 +219,7 @@ impl Sequence {
             }
             last = Some((&still.stamp, file));
         }
-        bar.finish_and_clear();
+        bar.finish();
         report.tell_of(&brush);
         Ok(report)
     }
@@ -262,10 +262,10 @@ impl Sequence {
             |error| stopped(error, || format!("there is no movie `{}` yet", self.output.display()));
         // Who finds all frames needs no adapter.
         let mut brush = None;
-        let bar = terminal::progress("frames");
+        let bar = terminal::share("frames");
         for (i, still) in stills.iter().enumerate() {
             let mut progress = |share: f64| {
-                bar.set_position((1000.0 * (i as f64 + share) / stills.len() as f64) as u64);
+                bar.set((i as f64 + share) / stills.len() as f64);
             };
             let file = from.as_ref().map(|pattern| pattern.file(still.number));
             let bytes = match last.take().filter(|(stamp, _)| *stamp == still.stamp) {
@@ -293,7 +293,7 @@ impl Sequence {
             last = Some((still.stamp.clone(), bytes));
         }
         movie.finish().map_err(unfinished)?;
-        bar.finish_and_clear();
+        bar.finish();
         brush.iter().for_each(|brush| report.tell_of(brush));
         Ok(report)
     }

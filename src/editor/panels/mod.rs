@@ -5,7 +5,6 @@ mod layer;
 mod object;
 mod outliner;
 mod outliner_row;
-mod picture;
 mod sun;
 mod sun_dial;
 pub(super) mod timeline;
@@ -16,7 +15,6 @@ use eframe::egui::{self, RichText, Ui};
 
 pub use object::ObjectPanel;
 pub use outliner::Outliner;
-pub use picture::{PicturePanel, PictureWish};
 pub use sun::SunPanel;
 pub use timeline::TimelinePanel;
 pub use view::ViewPanel;
