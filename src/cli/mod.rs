@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod bench;
+mod camera;
 mod desk;
 #[cfg(feature = "editor")]
 mod edit;
@@ -9,6 +10,7 @@ mod fill;
 mod info;
 #[cfg(feature = "editor")]
 mod jobs;
+mod light;
 mod new;
 mod numbers;
 mod picture;

@@ -25,13 +25,14 @@ use self::{
     stamp::Stamp,
 };
 use super::{
+    camera::CameraOption,
     picture::{Format, Job, Painter, PictureOptions},
     stopped, terminal,
     tone::told,
 };
 use crate::{
     Error, Result,
-    export::{self, Notes},
+    export::{self, Header, Notes},
     files::{check_place, write_whole},
     gpu,
     scene::{Scene, Timeline},
@@ -64,6 +65,8 @@ pub struct Sequence {
     shard: Option<Shard>,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    camera: CameraOption,
     /// Write what is told as JSON.
     #[arg(long)]
     json: bool,
@@ -97,6 +100,7 @@ struct Brush {
 #[derive(Debug, Clone)]
 struct Still {
     number: i32,
+    fps: f64,
     time: f64,
     stamp: Stamp,
 }
@@ -108,7 +112,8 @@ impl Sequence {
     /// Where the scene, the arguments, the adapter or a file are not good. Frames that were written
     /// before are whole.
     pub fn run(self) -> Result<()> {
-        let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
+        let mut scene = self.camera.see(scene)?;
         let fps = self.set_fps(&mut scene).map_err(|error| error.in_file(&self.scene))?;
         let stills = self.stills(&scene, fps)?;
         let started = Instant::now();
@@ -156,7 +161,7 @@ impl Sequence {
                 None => index as f64 / fps,
             };
             let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
-            Ok(Still { number, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
+            Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
         })
         .collect()
     }
@@ -234,7 +239,9 @@ impl Sequence {
     ) -> Result<()> {
         let scene = Scene { time: still.time, ..scene.clone() };
         // What a path traced frame is on the way is no frame: it would pass for one.
-        let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes());
+        let header =
+            Header { frame: Some(still.number), fps: Some(still.fps), ..self.picture.notes().header };
+        let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes(header));
         let (metered, output) = (*metered, file);
         let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
