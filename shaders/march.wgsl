@@ -48,6 +48,8 @@ override ATMOSPHERE: bool = true;
 override AERIAL: bool = true;
 // Whether that air lacks light that clouds take.
 override AIR_SHADED: bool = false;
+// Whether the light at hand lights that air.
+override AIR_LIT: bool = true;
 override SCENE_DEPTH: bool = false;
 // Whether the ground hides what is behind it: the cloud reaches below it.
 override GROUND: bool = false;
@@ -159,6 +161,9 @@ fn shade(v: Varyings) -> Shade {
     let uv = v.position.xy / camera.size;
     let air = aerial_perspective(aerial, clamped, uv, distance, cloud.aerial_range);
     var shining = air.rgb;
+    if !AIR_LIT {
+        shining = vec3f(0.0);
+    }
     if AIR_SHADED {
         shining = max(shining - aerial_perspective(air_shadow, clamped, uv, distance, cloud.shadow_range).rgb, vec3f(0.0));
     }

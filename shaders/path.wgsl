@@ -13,7 +13,7 @@
 // they do, and a share of their directions is drawn around the sun (one-sample balance heuristic).
 // Paths carry red, green and blue: one of them chooses the directions, and the choices that
 // the others would have made weigh in the same way (Wilkie et al. 2014).
-// @use path_medium path_state path_walk ray_box
+// @use path_flash path_medium path_state path_walk ray_box
 
 // Threads of one pixel: thread i has samples i, i + LANES, ... of `Scene::samples`.
 override LANES: u32 = 1u;
@@ -115,7 +115,7 @@ fn start_or_done(path: ptr<function, Path>, index: u32) -> u32 {
 // Where that would be little, it does so now and then.
 fn collide(path: ptr<function, Path>, p: vec3f, species: u32) -> u32 {
     let part = select(WIDE, PEAK, draw() < peak_share(species));
-    let is_covered = part == PEAK && (*path).covered && species == (*path).species;
+    let is_covered = !FLASH && part == PEAK && (*path).covered && species == (*path).species;
     (*path).position = p;
     (*path).origin = p;
     (*path).species = species;
@@ -125,12 +125,12 @@ fn collide(path: ptr<function, Path>, p: vec3f, species: u32) -> u32 {
     (*path).throughput *= albedo(species);
     (*path).toward = phase_green(species, part, (*path).direction, scene.to_sun);
     let most = max((*path).throughput.x, max((*path).throughput.y, (*path).throughput.z));
-    let chance = walk_chance((*path).toward * most, DIM);
+    let chance = select(walk_chance((*path).toward * most, DIM), 1.0, FLASH);
     if draw() >= chance || is_covered {
         return SCATTER;
     }
     (*path).taken_weight = 1.0 / chance;
-    (*path).chained = part == WIDE && peak_share(species) > 0.0;
+    (*path).chained = !FLASH && part == WIDE && peak_share(species) > 0.0;
     (*path).walk = next_seed();
     (*path).kept = random_state;
     (*path).other = 0u;
@@ -144,7 +144,7 @@ fn collide(path: ptr<function, Path>, p: vec3f, species: u32) -> u32 {
 fn choose_direction(path: ptr<function, Path>, next: u32) {
     let scatters = next == SCATTER;
     let state = random_state;
-    let guided = scatters && (!(*path).covered || peak_share((*path).species) == 0.0);
+    let guided = scatters && !FLASH && (!(*path).covered || peak_share((*path).species) == 0.0);
     let share = select(0.0, share_around_sun(TO_SUN, MOST_TO_SUN, (*path).toward, (*path).collisions), guided);
     // All walks of a collision have the same random numbers: where one has met matter, others may.
     random_state = select(hash_random((*path).walk, 1u, scene.seed), state, scatters);
@@ -177,6 +177,10 @@ fn choose_direction(path: ptr<function, Path>, next: u32) {
         roulette(path);
         return;
     }
+    if FLASH {
+        aim_at_flash(path);
+        return;
+    }
     (*path).to_light = to;
     random_state = state;
     if next == WALK {
@@ -187,6 +191,29 @@ fn choose_direction(path: ptr<function, Path>, next: u32) {
         (*path).height = (*path).origin.y;
         random_state = hash_random((*path).walk, 0u, scene.seed);
     }
+}
+
+// Begins a walk to a point of the flash.
+fn aim_at_flash(path: ptr<function, Path>) {
+    random_state = hash_random((*path).walk, 2u, scene.seed);
+    var point = vec4f(0.0);
+    if (*path).part == PEAK {
+        let d = scattered((*path).species, PEAK, (*path).channel, (*path).direction);
+        point = vec4f(d, flash_distance((*path).origin, d));
+        (*path).light = flash_through_peak(path, d);
+    } else {
+        point = flash_point((*path).origin);
+        (*path).light = flash_light(path, point);
+    }
+    (*path).to_light = point.xyz;
+    (*path).height = max(point.w, 0.0);
+    (*path).shadow = select(0.0, 1.0, point.w >= 0.0);
+    (*path).position = (*path).origin;
+}
+
+// Whether a walk has come as far as the flash.
+fn at_flash(path: ptr<function, Path>) -> bool {
+    return FLASH && distance((*path).position, (*path).origin) >= (*path).height;
 }
 
 // Russian roulette on paths that carry little. Long ones that have lost nothing go on: ending
@@ -221,10 +248,11 @@ fn advance(path: ptr<function, Path>, index: u32) {
     let share = select(0.0, real_share(step.matter.extinction, step.majorant), step.tentative);
     var next = select(ON, LEFT, step.outside);
     if is_walk {
-        if step.tentative {
+        let arrived = at_flash(path);
+        if step.tentative && !arrived {
             next = walk(path, step, share);
         }
-        if step.outside || (*path).shadow <= 0.0 {
+        if arrived || step.outside || (*path).shadow <= 0.0 {
             next = end_walk(path);
         }
     } else if GROUND && is_hidden(path) {

@@ -72,7 +72,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "path",
             "Scene",
-            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature),
+            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature, flash),
         ),
         (
             "march",
@@ -100,7 +100,7 @@ fn structs_of_rust_and_shaders_agree() {
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
                 first_step, longest_step, growth, lit_at_once, shadow_range, curvature, scene_depth),
         ),
-        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale)),
+        ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (
             "march",
             "Body",
@@ -114,7 +114,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "moments_sweep",
             "Field",
-            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam, repeats),
+            layout!(FieldUniform: low, directions, cell, lights, size, truncated, scattering, beam, flash, repeats),
         ),
         (
             "march",

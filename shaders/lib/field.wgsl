@@ -19,6 +19,8 @@ struct Field {
     scattering: vec4f,
     // The sun's beam: the direction of its light, and 1 where this light is the sun's.
     beam: vec4f,
+    // A ball that shines in the cloud: its centre and radius, m; a radius of 0 for none.
+    flash: vec4f,
     // 1 where the box repeats itself along x and z, else 0.
     repeats: u32,
     padding_0: u32,

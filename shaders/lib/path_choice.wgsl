@@ -16,6 +16,18 @@ fn turned(d: vec3f, angle: f32, azimuth: f32) -> vec3f {
     return normalize(cos(angle) * d + sin(angle) * (cos(azimuth) * u + sin(azimuth) * v));
 }
 
+// A direction, evenly over the whole sphere.
+fn any_direction(chance: f32, azimuth: f32) -> vec3f {
+    let y = 1.0 - 2.0 * chance;
+    let level = 2.0 * sqrt(chance * (1.0 - chance));
+    return vec3f(level * cos(azimuth), y, level * sin(azimuth));
+}
+
+// A number with the distribution of Gauss, of deviation 1 (Box and Muller 1958).
+fn normal_number(chance: f32, angle: f32) -> f32 {
+    return sqrt(2.0 * free_flight(chance)) * cos(angle);
+}
+
 // Angle from the middle of a disc of angular `radius` to a point of it, evenly over the disc.
 fn disc_angle(radius: f32, chance: f32) -> f32 {
     return radius * sqrt(chance);

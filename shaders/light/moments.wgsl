@@ -1,6 +1,6 @@
 // Light in the cloud solved for on a grid, as the eye sees it, and light that keeps its direction but for
 // small angles in closed form, which follows from the optical depth to the sun.
-// @use field field_view ray_seen slab sunlight
+// @use field field_view flash ray_seen slab sunlight
 
 // What each cell scatters towards the eye: of the sun's light, per unit of it, to first order in the
 // direction; of sky and ground, red, green and blue.
@@ -9,14 +9,21 @@
 // What it leaves out, by scattering angle and optical depth.
 @group(2) @binding(6) var remainder: texture_2d<f32>;
 
+// Whether the light comes from a ball in the cloud: its own light is not seen, nor solved for, but that which
+// droplets scatter by their peak, as good as straight on, is.
+override FLASH: bool = false;
+
 struct LightSum {
     sun: SunSum,
     multiple: vec3f,
     diffuse: vec3f,
+    // How far ahead the flash is, and what is seen of the ray before it.
+    flash_ahead: f32,
+    before_flash: f32,
 }
 
 fn light_begin(ray: LightRay) -> LightSum {
-    return LightSum();
+    return LightSum(SunSum(), vec3f(0.0), vec3f(0.0), dot(light.flash.xyz - ray.origin, ray.direction), 0.0);
 }
 
 fn light_reads_nodes() -> bool {
@@ -29,7 +36,7 @@ fn light_ahead(species: Species) -> f32 {
 }
 
 fn light_piece(sum: LightSum, piece: LitPiece) -> LightSum {
-    return LightSum(sun_piece(sum.sun, piece), sum.multiple, sum.diffuse);
+    return LightSum(sun_piece(sum.sun, piece), sum.multiple, sum.diffuse, sum.flash_ahead, before_flash(sum, piece));
 }
 
 fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
@@ -39,7 +46,11 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
     if SKY_LIGHT {
         diffuse += node.seen * source_of_sky(ray, inside);
     }
-    return LightSum(sum.sun, multiple, diffuse);
+    return LightSum(sum.sun, multiple, diffuse, sum.flash_ahead, sum.before_flash);
+}
+
+fn before_flash(sum: LightSum, piece: LitPiece) -> f32 {
+    return select(sum.before_flash, piece.gathered + piece.seen, FLASH && piece.t < sum.flash_ahead);
 }
 
 fn source_of_sky(ray: LightRay, inside: vec3f) -> vec3f {
@@ -88,6 +99,11 @@ fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
     // What of the sky's light goes straight on from behind is scattered all the same.
     let diffuse = sum.diffuse * seen.share * opacity_ratio(seen, transported(ray.species));
-    let multiple = scattered_again(ray.species, lights.sun, sum.multiple * seen.share, diffuse);
+    var multiple = scattered_again(ray.species, lights.sun, sum.multiple * seen.share, diffuse);
+    if FLASH {
+        let kept = transported(ray.species) * (1.0 - light_ahead(ray.species));
+        let glow = flash_along(light.flash, ray.origin, ray.direction);
+        multiple += lights.sun * glow * flash_forward(1.0 - sum.before_flash, kept);
+    }
     return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple);
 }

@@ -13,6 +13,8 @@ struct Light {
     mean_free_path: f32,
     field_scale: vec3f,
     padding: f32,
+    // A ball that shines in the cloud in place of the sun: its centre and radius, m.
+    flash: vec4f,
 }
 
 @group(2) @binding(0) var<uniform> light: Light;

@@ -16,6 +16,7 @@ struct Scene {
     to_sun: vec3f,
     // Angular radius of the sun's disc, rad.
     sun_radius: f32,
+    // Or of a flash.
     sun_irradiance: vec3f,
     // Altitude of the scene's origin above the ground, m.
     altitude: f32,
@@ -27,6 +28,8 @@ struct Scene {
     repeats: u32,
     // Half the earth's curvature, over which the camera sees the clouds, 1/m; 0 where they are small.
     curvature: f32,
+    // A ball that shines in place of the sun: its centre, m from the scene's origin, and radius, m.
+    flash: vec4f,
 }
 
 struct Cell {
@@ -77,7 +80,7 @@ struct Path {
     // taken off.
     light: vec3f,
     shadow: f32,
-    // Height of its last collision, m.
+    // Height of its last collision, m; of a walk to a flash how far that is, m.
     height: f32,
     // Peak collisions of a straight walk so far; of others those that are still to come.
     count: u32,

@@ -6,7 +6,7 @@
 // meet just n, for each n by itself: a walk straight to the sun, by the same random numbers, meets as many as
 // most others do. That number is always tried, and one of the others by chance, which weighs the more.
 // Wide collisions are taken off as what is expected of them.
-// @use atmosphere path_medium path_state
+// @use atmosphere path_flash path_medium path_state
 
 override ATMOSPHERE: bool = true;
 // Chances of another number of peak collisions to be tried, where the straight walk reached the sun and where
@@ -66,7 +66,8 @@ fn end_walk(path: ptr<function, Path>) -> u32 {
     let straight = (*path).mode == STRAIGHT;
     random_state = (*path).kept;
     if seen && count == 0u {
-        (*path).gathered += (*path).light * (*path).shadow * sun_at((*path).height);
+        let irradiance = select(sun_at((*path).height), scene.sun_irradiance, FLASH);
+        (*path).gathered += (*path).light * (*path).shadow * irradiance;
     }
     (*path).mode = CHAIN;
     if straight && (*path).chained {

@@ -9,7 +9,12 @@ use exr::{
 use half::f16;
 
 use super::{ColorSpace, Notes, Picture};
-use crate::{Result, files::write_whole, gpu::Gpu, render::Layers};
+use crate::{
+    Result,
+    files::write_whole,
+    gpu::Gpu,
+    render::{Layers, LightLayers},
+};
 
 /// Writes one picture as R, G, B, A.
 ///
@@ -30,7 +35,8 @@ pub fn write_beauty_noted(path: &Path, picture: &Picture, notes: &Notes) -> Resu
 /// Writes the beauty and the layers that it is the sum of:
 /// `beauty = sky * transmittance + single + multiple + air`, and `depth.Z`, the distance
 /// of the clouds in metres, 1e10 where there are none. A `transparent` beauty leaves the
-/// sky out and has the clouds' alpha. Squares of `reduce` pixels become one.
+/// sky out and has the clouds' alpha. Where there are lights beside the sun, `light.sun` and `light.NAME` have what
+/// each of them gives to the beauty. Squares of `reduce` pixels become one.
 ///
 /// # Errors
 /// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
@@ -52,23 +58,30 @@ pub fn write_layers_noted(
     reduce: usize,
     notes: &Notes,
 ) -> Result<()> {
-    let read = |texture| Picture::read(gpu, texture).map(|picture| picture.reduced(reduce));
-    let [sky, single, multiple, air, distance, normal] =
-        [&layers.sky, &layers.single, &layers.multiple, &layers.air, &layers.distance, &layers.normal]
-            .map(read);
-    let [sky, single, multiple, air] = [sky?, single?, multiple?, air?].map(|light| light.times(layers.unit));
-    let (distance, normal) = (distance?, normal?);
-    let mut list = channels("", &beauty(&sky, &[&single, &multiple, &air], transparent));
-    for (name, layer) in [("sky", &sky), ("single", &single), ("multiple", &multiple), ("air", &air)] {
-        list.extend(channels(name, layer).into_iter().filter(|(name, _)| !name.ends_with('A')));
+    let read = |texture: &wgpu::Texture| Picture::read(gpu, texture).map(|picture| picture.reduced(reduce));
+    let mut list = Vec::new();
+    let mut all = Apart::read(&layers.sun, layers.unit, read)?;
+    if !layers.lights.is_empty() {
+        list.extend(without_alpha(channels("light.sun", &all.beauty(transparent))));
+    }
+    for (name, light) in &layers.lights {
+        let light = Apart::read(light, layers.unit, read)?;
+        list.extend(without_alpha(channels(&format!("light.{name}"), &light.beauty(transparent))));
+        all.add(&light);
+    }
+    let (distance, normal) = (read(&layers.distance)?, read(&layers.normal)?);
+    list.extend(channels("", &all.beauty(transparent)));
+    let Apart([sky, single, multiple, air]) = &all;
+    for (name, layer) in [("sky", sky), ("single", single), ("multiple", multiple), ("air", air)] {
+        list.extend(without_alpha(channels(name, layer)));
     }
     let from = |picture: &Picture, value: fn(&[f32; 4]) -> f32| picture.pixels.iter().map(value).collect();
-    list.push(("transmittance.Y".to_owned(), from(&single, |pixel| 1.0 - pixel[3])));
+    list.push(("transmittance.Y".to_owned(), from(single, |pixel| 1.0 - pixel[3])));
     list.push(("depth.Z".to_owned(), from(&distance, metres)));
     for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
         list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
     }
-    write_channels(path, &sky, list, notes, Attributes::new())
+    write_channels(path, sky, list, notes, Attributes::new())
 }
 
 /// Writes channels by their names, such as `Y` or `depth.Z`, row by row from the top: half floats, or
@@ -86,17 +99,40 @@ fn metres(pixel: &[f32; 4]) -> f32 {
     if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
 }
 
-/// The layers put together again: opaque over the sky, or the clouds alone.
-fn beauty(sky: &Picture, light: &[&Picture; 3], transparent: bool) -> Picture {
-    let pixel = |(i, behind): (usize, &[f32; 4])| {
-        let alpha = light[0].pixels[i][3];
-        let mut sum = behind.map(|c| if transparent { 0.0 } else { c * (1.0 - alpha) });
-        for layer in light {
-            sum.iter_mut().zip(layer.pixels[i]).for_each(|(sum, c)| *sum += c);
-        }
-        [sum[0], sum[1], sum[2], if transparent { alpha } else { 1.0 }]
-    };
-    Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
+/// What light is made of: sky, single, multiple, air.
+struct Apart([Picture; 4]);
+
+impl Apart {
+    fn read(
+        light: &LightLayers,
+        unit: f32,
+        read: impl Fn(&wgpu::Texture) -> Result<Picture>,
+    ) -> Result<Self> {
+        let layer = |texture| Ok(read(texture)?.times(unit));
+        Ok(Self([layer(&light.sky)?, layer(&light.single)?, layer(&light.multiple)?, layer(&light.air)?]))
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.0.iter_mut().zip(&other.0).for_each(|(own, other)| own.add_light(other));
+    }
+
+    /// Put together again: opaque over the sky, or the clouds alone.
+    fn beauty(&self, transparent: bool) -> Picture {
+        let Self([sky, light @ ..]) = self;
+        let pixel = |(i, behind): (usize, &[f32; 4])| {
+            let alpha = light[0].pixels[i][3];
+            let mut sum = behind.map(|c| if transparent { 0.0 } else { c * (1.0 - alpha) });
+            for layer in light {
+                sum.iter_mut().zip(layer.pixels[i]).for_each(|(sum, c)| *sum += c);
+            }
+            [sum[0], sum[1], sum[2], if transparent { alpha } else { 1.0 }]
+        };
+        Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
+    }
+}
+
+fn without_alpha(channels: Vec<(String, Vec<f32>)>) -> impl Iterator<Item = (String, Vec<f32>)> {
+    channels.into_iter().filter(|(name, _)| !name.ends_with('A'))
 }
 
 pub(super) fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {

@@ -127,9 +127,12 @@ impl Subject {
             roll_deg: 0.0,
             projection: Projection::Orthographic { height: 2.0 * self.half },
         };
-        let position = SunPosition::Direction(back * self.scene.sun.to_sun());
-        let sun = Sun { position, ..self.scene.sun.clone() };
-        Scene { sun, ..self.scene.seen_by(camera) }
+        let mut scene = self.scene.seen_by(camera);
+        let further = scene.lights.iter_mut().filter_map(|light| light.source.as_sun_mut());
+        for sun in [&mut scene.sun].into_iter().chain(further) {
+            sun.position = SunPosition::Direction(back * sun.to_sun());
+        }
+        scene
     }
 
     /// The cloud at frame `frame` of `frames`.
@@ -157,6 +160,7 @@ impl Subject {
     /// Where the scene is not valid or the device fails.
     pub fn six_ways(&self, studio: &mut Studio, to_eye: DVec3, size: u32) -> Result<[Picture; 2]> {
         let mut scene = self.seen_from(to_eye);
+        scene.lights.clear();
         scene.sky = Sky::None;
         scene.ground = Ground { albedo: [0.0; 3], ..scene.ground };
         let world_from_camera = scene.camera().world_from_camera();

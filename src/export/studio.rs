@@ -6,7 +6,7 @@ use super::Picture;
 use crate::{
     Error, Result,
     gpu::Gpu,
-    render::{Film, Frame, Layers, Quality, Renderer, Transport},
+    render::{Film, Frame, Quality, Renderer, Transport},
     scene::Scene,
 };
 
@@ -106,16 +106,14 @@ impl Studio {
         let film = Film::new(size, self.rays);
         let layers = self.renderer.render_layers(&self.gpu, &film.frame(scene)?, &mut |_| ())?;
         let read = |texture| film.read(&self.gpu, texture);
-        let Layers { single, multiple, air, distance, normal, .. } = &layers;
-        let mut color = read(single)?;
-        for layer in [read(multiple)?, read(air)?] {
-            for (sum, pixel) in color.pixels.iter_mut().zip(layer.pixels) {
-                (0..3).for_each(|c| sum[c] += pixel[c]);
-            }
+        let mut color = read(&layers.sun.single)?;
+        let further = layers.lights.iter().flat_map(|(_, light)| light.of_clouds());
+        for layer in layers.sun.of_clouds().into_iter().skip(1).chain(further) {
+            color.add_light(&read(layer)?);
         }
         let color = color.times(layers.unit);
-        let mut distance = read(distance)?;
+        let mut distance = read(&layers.distance)?;
         distance.pixels.iter_mut().for_each(|pixel| pixel[0] *= 1e3);
-        Ok(Shot { color, distance, normal: read(normal)? })
+        Ok(Shot { color, distance, normal: read(&layers.normal)? })
     }
 }

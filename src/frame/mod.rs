@@ -3,6 +3,7 @@
 
 mod air;
 mod camera;
+mod light;
 mod matrices;
 pub(crate) mod medium;
 mod shared;
@@ -14,6 +15,7 @@ pub(crate) use air::AERIAL_REACH;
 pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use camera::CameraUniform;
 pub(crate) use camera::Rays;
+pub(crate) use light::{FrameLight, LitBy};
 pub use medium::{MEDIA, NOISE_SIZE, bake_noise};
 
 use crate::{
@@ -29,6 +31,10 @@ pub struct Frame {
     pub(crate) camera: CameraUniform,
     pub(crate) camera_position: DVec3,
     pub(crate) sun: Sun,
+    /// What kind of light that is.
+    pub(crate) by: LitBy,
+    /// Lights beside it.
+    lights: Vec<FrameLight>,
     pub(crate) sky: SkySettings,
     /// Altitude of the ground, m.
     pub(crate) ground: f64,
@@ -37,7 +43,7 @@ pub struct Frame {
     unit: f32,
 }
 
-/// The sun above the atmosphere.
+/// The sun above the atmosphere, or another light as far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sun {
     pub to_sun: DVec3,
@@ -70,16 +76,14 @@ impl Frame {
             cloud.ellipsoids = cloud.visible().cloned().collect();
             cloud.layer = cloud.layer.take().filter(|_| !cloud.hidden);
         }
-        let sun = Sun {
-            to_sun: moved.sun.to_sun(),
-            irradiance: Vec3::from(moved.sun.irradiance.map(|x| x as f32)),
-            radius: (0.5 * moved.sun.angular_diameter_deg.to_radians()) as f32,
-        };
+        let sun = Sun::new(&moved.sun);
         let frame = Self {
             camera: CameraUniform::new(&camera, moved.ground.altitude, [1; 2]),
             camera_position: camera.position,
             sky: SkySettings::new(&moved, sun.to_sun),
             sun,
+            by: LitBy::Sky,
+            lights: FrameLight::all(&moved),
             ground: moved.ground.altitude,
             clouds: clouds(&moved)?,
             unit: 1.0,

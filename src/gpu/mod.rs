@@ -19,7 +19,7 @@ pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link};
 pub(crate) use pack::{Pack, Place};
 pub use readback::{read_buffer, read_texture};
 pub use shader::ComputeProgram;
-pub(crate) use shader::{Shader, Strips, draw_screen, screen_pipeline, strip_pipeline};
+pub(crate) use shader::{ADDS, Shader, Strips, draw_screen, screen_pipeline, strip_pipeline};
 pub use texture::{
     TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
 };

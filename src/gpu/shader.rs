@@ -252,15 +252,29 @@ pub(crate) fn strip_pipeline(
     })
 }
 
+/// Light on top of what is there, whose alpha stays.
+pub(crate) const ADDS: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    },
+    alpha: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    },
+};
+
 /// The pipeline of the shader called `name` whose functions `vertex` and `fragment` draw one
-/// triangle over all of a target, without blending.
+/// triangle over all of a target: a format alone for one without blending.
 pub(crate) fn screen_pipeline(
     device: &wgpu::Device,
     name: &str,
     overrides: &[(&str, f64)],
-    format: wgpu::TextureFormat,
+    target: impl Into<wgpu::ColorTargetState>,
 ) -> wgpu::RenderPipeline {
-    let targets = &[Some(format.into())];
+    let targets = &[Some(target.into())];
     let strips = Strips { label: name, entries: ["vertex", "fragment"], overrides, targets };
     strip_pipeline(device, &Shader::new(device, name, &[]), &strips)
 }

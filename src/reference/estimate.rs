@@ -24,6 +24,16 @@ impl Estimate {
         if light > 0.0 { (variance / light).sqrt() } else { 0.0 }
     }
 
+    /// Adds the light of another estimate of the same pixels, which has no sample in common with this one.
+    pub(super) fn add_light(&mut self, other: &Self) {
+        for (pixel, other) in self.mean.iter_mut().zip(&other.mean) {
+            pixel[..3].iter_mut().zip(other).for_each(|(pixel, other)| *pixel += other);
+        }
+        for (error, other) in self.error.iter_mut().zip(&other.error) {
+            error.iter_mut().zip(other).for_each(|(error, other)| *error = error.hypot(*other));
+        }
+    }
+
     /// This and `other`, which are of the same frame but have no sample in common, as if all
     /// samples had been taken at once (Chan et al. 1979).
     ///

@@ -8,11 +8,11 @@ mod stop;
 
 use std::time::Instant;
 
-use glam::{UVec3, Vec3};
+use glam::{UVec3, Vec3, Vec4};
 
 use crate::{
     Error, Result,
-    frame::{CameraUniform, Frame, medium::World},
+    frame::{CameraUniform, Frame, LitBy, SkySettings, medium::World},
     gpu::{self, ComputeProgram, Gpu},
     render::Sky,
 };
@@ -40,6 +40,7 @@ pub struct SceneUniform {
     pub(crate) rounds: u32,
     pub(crate) repeats: u32,
     pub(crate) curvature: f32,
+    pub(crate) flash: Vec4,
 }
 
 /// Bytes of the shader's `StoredPath`, and floats of its `Sum`.
@@ -74,6 +75,8 @@ pub struct PathTracer {
     /// What 1 stands for in what is summed.
     unit: f32,
     earlier: Option<Estimate>,
+    /// Of lights beside the sun, each by itself.
+    further: Vec<Self>,
 }
 
 /// How paths are traced. All choices have the same mean; they differ in noise and time.
@@ -128,6 +131,9 @@ impl PathTracer {
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
         check_alone(frame)?;
+        let further =
+            frame.lit_apart().into_iter().map(|(_, frame)| Self::with_options(gpu, &frame, options));
+        let further = further.collect::<Result<_>>()?;
         let world = World::new(frame);
         let grid = match &world.layer {
             Some(layer) => Grid::of_layer(layer, &world.bodies[0]),
@@ -148,13 +154,15 @@ impl PathTracer {
             rounds: ROUNDS[0],
             repeats: u32::from(world.layer.is_some()),
             curvature: curvature(frame, &world),
+            flash: flash(frame, &world),
         };
         let device = &gpu.device;
         let sky = prepared_sky(gpu, frame);
         let pixels = frame.size()[0] * frame.size()[1];
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
-        let ground = sky.has_atmosphere() && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
-        let overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
+        let ground = frame.sky.atmosphere && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
+        let mut overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
+        overrides.push(("FLASH", f64::from(u8::from(uniform.flash.w > 0.0))));
         let program = ComputeProgram::with_roles(device, "path", &[world.role()], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
         let uniform_buffer = gpu::uniform_buffer(device, "path scene", &uniform);
@@ -191,6 +199,7 @@ impl PathTracer {
             full_rounds: ROUNDS[0],
             unit: frame.unit(),
             earlier: None,
+            further,
         })
     }
 
@@ -201,6 +210,7 @@ impl PathTracer {
     /// [`crate::Error::Argument`] where it has another number of pixels.
     pub fn after(mut self, earlier: Estimate) -> Result<Self> {
         self.uniform.first = earlier.samples;
+        self.further.iter_mut().for_each(|tracer| tracer.uniform.first = earlier.samples);
         self.earlier = Some(self.estimate()?.merged(&earlier)?);
         Ok(self)
     }
@@ -230,6 +240,15 @@ impl PathTracer {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn advance(&mut self, samples: u32) -> Result<f64> {
+        let mut sum = self.advance_own(samples)?;
+        for tracer in &mut self.further {
+            sum += tracer.advance_own(samples)?;
+        }
+        Ok(sum / (1 + self.further.len()) as f64)
+    }
+
+    /// The same of the sun alone.
+    fn advance_own(&mut self, samples: u32) -> Result<f64> {
         let samples = samples.saturating_sub(self.uniform.first);
         let full = samples > self.uniform.samples;
         if full {
@@ -277,8 +296,19 @@ impl PathTracer {
             sums.chunks_exact(self.lanes as usize).map(pixel).unzip();
         mean.iter_mut().for_each(|pixel| pixel[..3].iter_mut().for_each(|light| *light *= self.unit));
         error.as_flattened_mut().iter_mut().for_each(|error| *error *= self.unit);
-        let estimate = Estimate { mean, error, samples };
+        let mut estimate = Estimate { mean, error, samples };
+        for tracer in &self.further {
+            estimate.add_light(&tracer.estimate()?);
+        }
         self.earlier.as_ref().map_or_else(|| Ok(estimate.clone()), |earlier| earlier.merged(&estimate))
+    }
+}
+
+/// The ball that shines in place of the sun; a radius of 0 for none.
+fn flash(frame: &Frame, world: &World) -> Vec4 {
+    match frame.by {
+        LitBy::Flash(center, radius) => (center - world.origin).as_vec3().extend(radius as f32),
+        LitBy::Sky | LitBy::Key => Vec4::ZERO,
     }
 }
 
@@ -337,9 +367,11 @@ fn lanes(pixels: u32, gpu: &Gpu) -> u32 {
 fn prepared_sky(gpu: &Gpu, frame: &Frame) -> Sky {
     let mut sky = Sky::new(&gpu.device);
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    // Lights of clouds alone have no air above them.
+    let settings = SkySettings { atmosphere: frame.sky.atmosphere && frame.by == LitBy::Sky, ..frame.sky };
     let mut eye = frame.camera;
     eye.altitude = frame.sky.uniform.light_altitude;
-    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &frame.sky, &eye, None);
+    sky.prepare(&gpu.device, &gpu.queue, &mut encoder, &settings, &eye, None);
     gpu.queue.submit([encoder.finish()]);
     sky
 }

@@ -1,6 +1,7 @@
 //! How a renderer draws, as one value.
 
 use super::{Quality, Transport};
+use crate::frame::Frame;
 
 /// From so many ellipsoids on a volume of depths is the cheaper way: docs/scale.md.
 const BAKE_FROM: u32 = 256;
@@ -28,6 +29,13 @@ pub struct Settings {
     pub bake_from: u32,
     /// Whether to count work; slower.
     pub counting: bool,
+}
+
+impl Settings {
+    /// The same for the sun of `frame`: nothing is made of one that does not shine.
+    pub(super) fn of_sun(&self, frame: &Frame) -> Self {
+        if frame.is_dark() { Self { transport: Transport::DARK, ..*self } } else { *self }
+    }
 }
 
 impl Default for Settings {

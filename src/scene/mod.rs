@@ -14,6 +14,7 @@ mod file;
 mod growth;
 mod layer;
 mod life;
+mod light;
 mod moment;
 mod noise;
 mod presets;
@@ -39,6 +40,7 @@ pub use file::schema;
 pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
 pub use life::Life;
+pub use light::{Light, LightSource, Lightning, MAX_LIGHTS};
 pub use noise::{Noise, Renewed};
 #[cfg(feature = "measure")]
 pub(crate) use presets::smooth::Smooth;
@@ -88,6 +90,10 @@ pub struct Scene {
     pub noise: Noise,
     /// The light of the sun.
     pub sun: Sun,
+    /// Lights beside the sun, at most 4.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = MAX_LIGHTS))]
+    pub lights: Vec<Light>,
     /// The light of the sky and what is seen behind the clouds.
     pub sky: Sky,
     /// The land below.
@@ -131,6 +137,7 @@ impl Default for Scene {
             clouds: Vec::new(),
             noise: Noise::default(),
             sun: Sun::default(),
+            lights: Vec::new(),
             sky: Sky::default(),
             ground: Ground::default(),
             wind: Wind::default(),
@@ -229,6 +236,7 @@ impl Scene {
         let at = At::Root;
         self.noise.check(at.field("noise"))?;
         self.sun.check(at.field("sun"))?;
+        light::check(&self.lights, at.field("lights"))?;
         self.sky.check(at.field("sky"))?;
         self.ground.check(at.field("ground"))?;
         self.wind.check(at.field("wind"))?;

@@ -57,7 +57,7 @@ fn the_ground_hides_what_is_below_and_behind_it() {
         let alphas = |picture: &Picture| picture.pixels.iter().map(|p| f64::from(p[3])).collect::<Vec<_>>();
         let drawn = alphas(&draw(&mut renderer, &scene, size, false));
         let layers = renderer.render_layers(gpu(), &frame, &mut |_| ()).unwrap();
-        for layer in [&layers.single, &layers.distance, &layers.normal] {
+        for layer in [&layers.sun.single, &layers.distance, &layers.normal] {
             let own = alphas(&Film::new(size, 1).read(gpu(), layer).unwrap());
             let off = own.iter().zip(&drawn).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 2e-3, "{name}: {off}");

@@ -12,6 +12,7 @@ mod extremes;
 mod ground;
 mod layers;
 mod light_turns;
+mod lights;
 mod march;
 mod media;
 mod moments;

@@ -65,10 +65,10 @@ fn layers_in_pieces_are_the_layers() {
     let (layers, pieces) = renderer.begin_layers(&mut encoder, &frame);
     finish(&mut renderer, encoder, pieces);
     for (a, b) in [
-        (&layers.sky, &whole.sky),
-        (&layers.single, &whole.single),
-        (&layers.multiple, &whole.multiple),
-        (&layers.air, &whole.air),
+        (&layers.sun.sky, &whole.sun.sky),
+        (&layers.sun.single, &whole.sun.single),
+        (&layers.sun.multiple, &whole.sun.multiple),
+        (&layers.sun.air, &whole.sun.air),
         (&layers.distance, &whole.distance),
         (&layers.normal, &whole.normal),
     ] {

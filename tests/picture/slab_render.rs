@@ -42,7 +42,7 @@ fn at_angle(theta_deg: f64, azimuth_deg: f64) -> DVec3 {
 fn multiple_light(renderer: &mut Renderer, scene: &Scene) -> f64 {
     let frame = Frame::new(scene, [4, 4]).unwrap();
     let layers = renderer.render_layers(gpu(), &frame, &mut |_| ()).unwrap();
-    f64::from(Picture::read(gpu(), &layers.multiple).unwrap().pixels[5][1])
+    f64::from(Picture::read(gpu(), &layers.sun.multiple).unwrap().pixels[5][1])
 }
 
 #[test]

@@ -62,7 +62,8 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         &[
             ("march", "sun_at drawn_distance"),
             ("moments_entering", "radiance_from"),
-            ("moments_medium", "extinction_at"),
+            ("moments_medium", "extinction_at flash_in"),
+            ("path_flash", "flash_light flash_through_peak flash_distance"),
             ("moments_view", "moments_at"),
             ("path", "sky_from"),
             ("path_medium", "table_at albedo peak_share phase phase_green"),
@@ -107,7 +108,8 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sun_maps", "collect_hits"),
             ("medium", "medium_begin medium_ahead find_near farthest_near listed"),
             ("slab_maps", "absorbed_source"),
-            ("path", "enter_repeating sample_of start finish start_or_done collide choose_direction roulette near_sun is_hidden advance"),
+            ("path", "enter_repeating sample_of start finish start_or_done collide choose_direction roulette near_sun is_hidden advance aim_at_flash at_flash"),
+            ("path_flash", "flash_point"),
             ("path_medium", "scattered track"),
             ("path_state", "draw next_seed loaded store"),
             ("path_walk", "walk end_walk"),
@@ -124,7 +126,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             (
                 "light",
                 "light_begin light_glare light_transported light_ahead light_reads_nodes light_sun_depth light_piece
-                 light_node light_ray multiple_source source_of_sun source_of_sky solved_of_sun tile_texel",
+                 light_node light_ray before_flash multiple_source source_of_sun source_of_sky solved_of_sun tile_texel",
             ),
         ],
     ),

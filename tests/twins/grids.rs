@@ -98,7 +98,7 @@ fn normal(x: &Wide) -> DVec3 {
 /// A field of 5 by 7 by 4 cells in WGSL.
 const FIELD: &str = "
     fn field() -> Field {
-        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(5u, 7u, 4u), 0.0, vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
+        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(5u, 7u, 4u), 0.0, vec4f(0.0), vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
     }";
 
 pub fn twins() -> Vec<Twin> {

@@ -61,6 +61,20 @@ fn choices() -> Vec<Twin> {
             })
             // Parts of a unit vector.
             .beside(1.0),
+        Twin::new("any_direction", "path_choice", "return vec4f(any_direction(x[0].x, x[0].y), 0.0);", |x| {
+            // By the angle from the pole, whose cosine is even.
+            let polar = (1.0 - 2.0 * x[0][0]).acos();
+            three(DVec3::new(polar.sin() * x[0][1].cos(), polar.cos(), polar.sin() * x[0][1].sin()))
+        })
+        .edges(line(&[0.0, 0.25, 0.5, 1.0]))
+        .over("all", |random| scalars([chance(random), random.between(0.0, TAU)]))
+        // Parts of a unit vector.
+        .beside(1.0),
+        Twin::new("normal_number", "path_choice", "return vec4f(normal_number(x[0].x, x[0].y));", |x| {
+            one((-2.0 * (-x[0][0]).ln_1p()).sqrt() * x[0][1].cos())
+        })
+        .over("all", |random| scalars([random.between(0.01, 1.0), random.between(0.0, TAU)]))
+        .beside(1.0),
         Twin::new("disc_angle", "path_choice", "return vec4f(disc_angle(x[0].x, x[0].y));", |x| {
             // Within that angle is this share of the disc.
             one((x[0][0] * x[0][0] * x[0][1]).sqrt())

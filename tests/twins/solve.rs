@@ -3,11 +3,12 @@
 use glam::DVec3;
 
 use crate::harness::{Input, Output, Random, Twin, Wide};
-use crate::pack::{grid, input, one, scalars, three, vector, xyz};
+use crate::pack::{grid, input, line, one, scalars, three, vector, xyz};
 use crate::picture::harmonic;
 
 pub fn twins() -> Vec<Twin> {
     let mut all = cells();
+    all.extend(flashes());
     all.extend(characteristics());
     all.extend(moments());
     all
@@ -16,10 +17,10 @@ pub fn twins() -> Vec<Twin> {
 /// A field of 5 by 7 by 4 cells: corner, cell (w: truncated share), beam.
 const FIELD: &str = "
     fn made(x: array<vec4f, 8>) -> Field {
-        return Field(x[1].xyz, 48u, x[2].xyz, 1u, vec3u(5u, 7u, 4u), x[2].w, vec4f(0.0), vec4f(x[3].xyz, 1.0), 0u, 0u, 0u, 0u);
+        return Field(x[1].xyz, 48u, x[2].xyz, 1u, vec3u(5u, 7u, 4u), x[2].w, vec4f(0.0), vec4f(x[3].xyz, 1.0), vec4f(0.0), 0u, 0u, 0u, 0u);
     }
     fn other() -> Field {
-        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(3u, 4u, 2u), 0.0, vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
+        return Field(vec3f(0.0), 48u, vec3f(1.0), 1u, vec3u(3u, 4u, 2u), 0.0, vec4f(0.0), vec4f(0.0), vec4f(0.0), 0u, 0u, 0u, 0u);
     }";
 
 fn field(random: &mut Random, first: [f64; 4]) -> Input {
@@ -140,6 +141,112 @@ fn cells() -> Vec<Twin> {
             let first = [extinction, extinction * random.between(0.0, 1.0), random.between(0.0, 8.0), 0.0];
             field(random, first)
         }),
+    ]
+}
+
+/// Share of a Gaussian below x: its integral from 0 by Simpson's rule.
+fn below(x: f64) -> f64 {
+    let x = x.clamp(-12.0, 12.0);
+    let density = |t: f64| (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
+    let n = 2000;
+    let step = x / f64::from(n);
+    let weight = |i: i32| if i == 0 || i == n { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+    0.5 + (0..=n).map(|i| weight(i) * density(f64::from(i) * step)).sum::<f64>() * step / 3.0
+}
+
+fn share(x: &Wide) -> f64 {
+    let deviation = x[0][3] / 2.0;
+    let along = |axis: usize| {
+        let at = |corner: usize| below((x[corner][axis] - x[0][axis]) / deviation);
+        at(2) - at(1)
+    };
+    along(0) * along(1) * along(2)
+}
+
+/// A ball around the middle and a box about as large, near to it.
+fn ball_and_box(random: &mut Random) -> Input {
+    let radius = random.log(1.0, 1e3);
+    let low = radius * random.between(0.0, 2.0) * random.direction();
+    let size = radius * DVec3::from([(); 3].map(|()| random.log(0.05, 4.0)));
+    input([vector(DVec3::ZERO, radius), vector(low, 0.0), vector(low + size, 0.0)])
+}
+
+/// A ball around the middle, a place near to it, and the way from there to one of its points.
+fn ball_and_point(random: &mut Random) -> Input {
+    let radius = random.log(1.0, 1e3);
+    let p = radius * random.log(0.05, 4.0) * random.direction();
+    let point = 0.5 * radius * random.between(0.0, 2.0) * random.direction() - p;
+    input([vector(DVec3::ZERO, radius), vector(p, 0.0), vector(point.normalize(), point.length())])
+}
+
+fn flashes() -> Vec<Twin> {
+    vec![
+        Twin::new("normal_below", "flash", "return vec4f(normal_below(x[0].x));", |x| one(below(x[0][0])))
+            .edges(line(&[-40.0, -3.0, 0.0, 1.0, 6.0, 1e4]))
+            .beside(1.0)
+            .over("all", |random| scalars([random.between(-6.0, 6.0)]))
+            // The form has an error of 1.5e-7 / 2 by itself.
+            .beside(1.0),
+        Twin::new("flash_share", "flash", "return vec4f(flash_share(x[0], x[1].xyz, x[2].xyz));", |x| {
+            one(share(x))
+        })
+        .over("all", ball_and_box)
+        .beside(1.0),
+        Twin::new(
+            "flash_source",
+            "flash",
+            "return vec4f(flash_source(x[0].x, x[0].y, x[0].z, x[0].w));",
+            |x| {
+                // Of the power 4 pi r^2 all directions have the same.
+                one(4.0 * std::f64::consts::PI * x[0][0].powi(2) * x[0][1]
+                    / (4.0 * std::f64::consts::PI)
+                    / x[0][2]
+                    / x[0][3])
+            },
+        )
+        .over("all", |random| {
+            scalars([
+                random.log(1.0, 1e3),
+                random.between(0.0, 1.0),
+                random.log(1.0, 1e9),
+                random.log(1e-4, 1.0),
+            ])
+        }),
+        Twin::new("flash_along", "flash", "return vec4f(flash_along(x[0], x[1].xyz, x[2].xyz));", |x| {
+            let (radius, d) = (x[0][3], xyz(x[2]));
+            let past = 2.0 * (xyz(x[0]) - xyz(x[1])).cross(d).length() / radius;
+            one(2.0 * (-0.5 * past * past).exp() / std::f64::consts::PI)
+        })
+        .over("all", ball_and_point),
+        Twin::new("flash_forward", "flash", "return vec4f(flash_forward(x[0].x, x[0].y));", |x| {
+            // By optical depths: that which counts, and all of it.
+            let counts = -x[0][0].ln();
+            one((-counts).exp() * -(counts - counts / x[0][1]).exp_m1())
+        })
+        .over("all", |random| scalars([random.between(1e-6, 1.0), random.between(0.1, 1.0)]))
+        .beside(1.0),
+        Twin::new(
+            "flash_weight",
+            "flash",
+            "return vec4f(flash_weight(x[0], x[1].xyz, x[2].xyz, x[2].w));",
+            |x| {
+                let (radius, away) = (x[0][3], x[2][3]);
+                let (deviation, d) = (radius / 2.0, xyz(x[2]));
+                let to = xyz(x[0]) - xyz(x[1]);
+                // Densities of the points of both ways, over volume.
+                let along = |t: f64| {
+                    (-0.5 * ((t - to.dot(d)) / deviation).powi(2)).exp()
+                        / (std::f64::consts::TAU.sqrt() * deviation)
+                };
+                let past = to.cross(d).length() / deviation;
+                let across = (-0.5 * past * past).exp() / (std::f64::consts::TAU * deviation * deviation);
+                let (ball, line) =
+                    (along(away) * across, 2.0 * along(away) / (4.0 * std::f64::consts::PI * away * away));
+                let power = 4.0 * std::f64::consts::PI * radius * radius;
+                one(power * ball / (4.0 * std::f64::consts::PI * away * away) / (0.5 * ball + 0.5 * line))
+            },
+        )
+        .over("all", ball_and_point),
     ]
 }
 

@@ -44,11 +44,11 @@ impl Source {
         match (self, layer) {
             (Self::Beauty(texture), _) => (texture, Shown::Beauty),
             (Self::Cost(texture), _) => (texture, Shown::Heat(COST_RANGE)),
-            (Self::Layers(layers), Layer::Multiple) => (&layers.multiple, Shown::Light),
-            (Self::Layers(layers), Layer::Air) => (&layers.air, Shown::Light),
-            (Self::Layers(layers), Layer::Transmittance) => (&layers.single, Shown::Transmittance),
+            (Self::Layers(layers), Layer::Multiple) => (&layers.sun.multiple, Shown::Light),
+            (Self::Layers(layers), Layer::Air) => (&layers.sun.air, Shown::Light),
+            (Self::Layers(layers), Layer::Transmittance) => (&layers.sun.single, Shown::Transmittance),
             (Self::Layers(layers), Layer::Normal) => (&layers.normal, Shown::Normal),
-            (Self::Layers(layers), _) => (&layers.single, Shown::Light),
+            (Self::Layers(layers), _) => (&layers.sun.single, Shown::Light),
         }
     }
 }

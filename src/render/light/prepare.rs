@@ -41,9 +41,12 @@ impl Wanted {
             Some(_) => FINER_COLUMNS * detail.resolution,
             None => detail.resolution,
         };
-        let field = |cells| FieldKey { medium: medium.clone(), cells };
+        let flash = cloud.flash(inputs.by).unwrap_or(Vec4::ZERO);
+        let field = |cells| FieldKey { medium: medium.clone(), cells, flash };
         let needs = inputs.needs;
         let along = -inputs.to_sun.as_vec3();
+        // Nothing shades what shines from within.
+        let others = if flash.w > 0.0 { &[] } else { others };
         Self {
             sun: needs.sun.then(|| SunKey::new(medium, others, along, resolution, needs.maps)),
             openness: (needs.openness(inputs.lit_by_sky))
@@ -56,6 +59,11 @@ impl Wanted {
 }
 
 impl Wanted {
+    /// Whether a ball shines in it, and no sun.
+    fn is_flash(&self) -> bool {
+        self.field.as_ref().is_some_and(|field| field.flash.w > 0.0)
+    }
+
     /// No more than what a `cloud` out of view casts its shadow with.
     pub fn shadow(inputs: &Inputs<'_>, cloud: &CloudFrame) -> Self {
         let along = -inputs.to_sun.as_vec3();
@@ -84,6 +92,7 @@ pub struct LightUniform {
     pub(crate) mean_free_path: f32,
     pub(crate) field_scale: Vec3,
     padding: f32,
+    pub(crate) flash: Vec4,
 }
 
 impl CloudLight {
@@ -159,6 +168,7 @@ impl CloudLight {
             mean_free_path: 1.0 / (densest * (1.0 - medium.species.truncated)),
             field_scale: extent.recip(),
             padding: 0.0,
+            flash: self.made_for.field.as_ref().map_or(Vec4::ZERO, |field| field.flash),
         }
     }
 }
@@ -198,7 +208,10 @@ impl LightPass {
         let sun = wanted.sun.as_ref().map(|key| {
             known.sun.take().unwrap_or_else(|| {
                 *redone += 1;
-                self.sun.make(encoder, inputs, media, key)
+                match wanted.is_flash() {
+                    true => SunVolume::dark(inputs),
+                    false => self.sun.make(encoder, inputs, media, key),
+                }
             })
         });
         let openness = wanted.openness.as_ref().map(|key| {

@@ -71,6 +71,13 @@ pub(super) struct SunVolume {
 }
 
 impl SunVolume {
+    /// Without any sun, as behind a wall.
+    pub fn dark(inputs: &Inputs<'_>) -> Self {
+        let wall = [half::f16::MAX, half::f16::ZERO, half::f16::ZERO, half::f16::ZERO];
+        let texture = gpu::half_texture(inputs.device, inputs.queue, "no sun", [1; 3], &[wall]);
+        Self { volume: gpu::view(&texture), maps: None }
+    }
+
     pub fn textures(&self) -> impl Iterator<Item = &TextureView> {
         [&self.volume].into_iter().chain(self.maps.iter().flatten())
     }

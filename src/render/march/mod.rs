@@ -66,6 +66,8 @@ pub(super) struct View<'a> {
     pub counters: &'a Counters,
     pub entry: &'static str,
     pub format: wgpu::TextureFormat,
+    /// Whether the light comes on top of what is there.
+    pub adds: bool,
 }
 
 /// What the march knows of a cloud in one picture, in the buffer of all clouds.
@@ -129,8 +131,8 @@ impl March {
         }
     }
 
-    /// Compiles what is missing and binds those `clouds`, by number, that have tiles; those that wait for
-    /// their first light are left out, and told.
+    /// Compiles what is missing and binds those `clouds`, by number, that have tiles, each with its number; those that
+    /// wait for their first light are left out, and told.
     pub fn prepare(
         &mut self,
         shared: &View<'_>,
@@ -138,7 +140,7 @@ impl March {
         covers: &[Cover],
         media: &Media,
         lights: &mut LightStore,
-    ) -> Vec<Draw> {
+    ) -> Vec<(usize, Draw)> {
         let frame = shared.frame;
         let in_view = clouds.iter().copied().filter(|&i| !covers[i].tiles.is_empty());
         let (seen, dark): (Vec<usize>, Vec<usize>) = in_view.partition(|&i| lights.get(i).is_some());
@@ -160,7 +162,7 @@ impl March {
         let buffers = [&camera, &pack.buffer(&self.device, "clouds")];
         let draw = |(&i, packed): (&usize, Packed)| {
             let light = lights.get(i).expect("those without light were left out");
-            self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, light)
+            (i, self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, light))
         };
         seen.iter().zip(packed).map(draw).collect()
     }

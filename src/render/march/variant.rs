@@ -2,8 +2,8 @@
 
 use super::{MOST_NODES, View};
 use crate::{
-    frame::CloudFrame,
-    gpu::{Role, Shader, Strips, strip_pipeline},
+    frame::{CloudFrame, LitBy},
+    gpu::{ADDS, Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
 
@@ -19,6 +19,9 @@ pub struct Variant {
     atmosphere: bool,
     aerial: bool,
     air_shaded: bool,
+    air_lit: bool,
+    adds: bool,
+    flash: bool,
     sky_light: bool,
     scene_depth: bool,
     ground: bool,
@@ -36,13 +39,15 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 13] {
+    pub fn overrides(&self) -> [(&'static str, f64); 15] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
             ("AERIAL", flag(self.aerial)),
             ("AIR_SHADED", flag(self.air_shaded)),
+            ("FLASH", flag(self.flash)),
+            ("AIR_LIT", flag(self.air_lit)),
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("GROUND", flag(self.ground)),
@@ -62,23 +67,31 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
     // Which way a cloud faces has nothing to do with light.
     let lit = shared.entry != "normals";
     let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
+    let is_flash = matches!(shared.frame.by, LitBy::Flash(..));
+    let above = shared.frame.by == LitBy::Sky;
+    let has_air = shared.sky.has_atmosphere();
+    let aerial = has_air && settings.aerial;
     let lowest = cloud.origin.y - cloud.half.y;
     Variant {
         transport: settings.transport,
         entry: shared.entry,
         medium,
         counting: settings.counting || shared.entry == "cost",
-        atmosphere: shared.sky.has_atmosphere(),
-        aerial: shared.sky.has_atmosphere() && settings.aerial,
-        air_shaded: shared.sky.has_atmosphere() && settings.aerial && shared.shadows.in_air,
-        sky_light: lit && shared.sky.lights(),
+        atmosphere: has_air && above,
+        aerial,
+        air_shaded: aerial && above && shared.shadows.in_air,
+        air_lit: above,
+        adds: shared.adds,
+        flash: is_flash,
+        sky_light: lit && above && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
         // Between two points above the level of the ground below the camera there is none of it.
-        ground: settings.ground && shared.sky.has_atmosphere() && lowest < shared.frame.ground,
-        peak: lit && has_peak,
+        ground: settings.ground && has_air && lowest < shared.frame.ground,
+        peak: lit && has_peak && !is_flash,
         absorbing: species.albedo < 1.0,
         repeats: cloud.medium.layer.is_some(),
-        light_nodes: settings.quality.light_nodes.clamp(1, MOST_NODES),
+        // Light from within changes fast along a ray.
+        light_nodes: if is_flash { MOST_NODES } else { settings.quality.light_nodes.clamp(1, MOST_NODES) },
         max_steps: settings.quality.max_steps,
     }
 }
@@ -91,11 +104,9 @@ pub(super) fn pipeline(
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
     let overrides = shader.known(&variant.overrides());
-    let target = Some(wgpu::ColorTargetState {
-        format,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        write_mask: wgpu::ColorWrites::ALL,
-    });
+    let blend = if variant.adds { ADDS } else { wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING };
+    let target =
+        Some(wgpu::ColorTargetState { format, blend: Some(blend), write_mask: wgpu::ColorWrites::ALL });
     let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
     let strips = Strips {
         label: "clouds",

@@ -25,7 +25,7 @@ const BRIGHT_DAY: f64 = 40.0;
 const LEAST_COVER: f64 = 1e-3;
 /// Shares of what is sorted by brightness between which it counts.
 const COUNTED: [f64; 2] = [0.5, 0.95];
-/// The sun's irradiance over the dimmest light that is exposed as day: six stops less than clouds
+/// The irradiance of the strongest light over the dimmest light that is exposed as day: six stops less than clouds
 /// have at noon. What is darker comes out as night.
 const NIGHT: f64 = 1.6e-3;
 /// No light at all.
@@ -46,7 +46,7 @@ impl Renderer {
         let clouds = Film::new(frame.size(), 1).take(gpu, self, &frame, false, &mut |_| ());
         let sky = self.sky_picture(gpu, &frame);
         self.settings.counting = counting;
-        let dimmest = NIGHT * f64::from(frame.unit() * frame.sun.irradiance.max_element());
+        let dimmest = NIGHT * f64::from(frame.unit() * frame.strongest_light());
         Ok(metered(&clouds?, Some(&sky?), dimmest))
     }
 }

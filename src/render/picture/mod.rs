@@ -2,6 +2,7 @@
 
 mod compose;
 mod film;
+mod lamp;
 mod meter;
 mod pieces;
 mod pixels;
@@ -12,29 +13,28 @@ use rayon::prelude::*;
 
 use super::{
     Counts, Quality, Settings,
-    light::{Inputs, LightStore, Presence},
     march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
-    shadow::{ShadowInputs, Shadows, SunMap, may_shade},
-    sky::Sky,
+    shadow::SunMap,
 };
 use crate::{
     Result,
-    frame::{CloudFrame, Frame},
+    frame::{CloudFrame, Frame, LitBy},
     gpu::{self, Gpu, TextureDesc, Timing, view},
-    scene::Tone,
+    scene::{MAX_LIGHTS, Tone},
 };
 use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
 pub use film::Film;
+use lamp::{Lamp, Room, Way};
 pub use meter::metered_alone;
 pub use pieces::Pieces;
 pub use pixels::Picture;
 pub use resolve::{HeatMap, Resolve, Shown};
 #[cfg(test)]
 pub(crate) use resolve::{ResolveUniform, uniform as resolve_uniform};
-pub use target::{Layers, SceneDepth, Target};
+pub use target::{Layers, LightLayers, SceneDepth, Target};
 
 /// Draws frames. Long-lived: keeps the noise volume, sky tables and the light inside the
 /// clouds, and redoes only what a frame changed.
@@ -47,11 +47,10 @@ pub struct Renderer {
     /// Times the passes where the adapter can.
     pub timing: Option<Timing>,
     media: Media,
-    lights: LightStore,
     covers: Vec<Cover>,
-    redone: u32,
-    sky: Sky,
-    shadows: Shadows,
+    sun: Lamp,
+    /// Lights beside it that shine, by their number in the scene.
+    further: [Option<Lamp>; MAX_LIGHTS],
     march: March,
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
@@ -59,9 +58,6 @@ pub struct Renderer {
 
 /// May submit what was recorded so far; says whether to go on.
 type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
-
-/// Sine of the elevation from which the sun casts shadows: below it they are as long as the air is deep.
-const LOWEST_SUN: f64 = 5e-3;
 
 const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -76,11 +72,9 @@ impl Renderer {
             settings: Settings::default(),
             timing: None,
             media: Media::new(device, queue),
-            lights: LightStore::default(),
             covers: Vec::new(),
-            redone: 0,
-            sky: Sky::new(device),
-            shadows: Shadows::new(device),
+            sun: Lamp::new(device),
+            further: Default::default(),
             march: March::new(device, queue),
             compose: None,
             counters: Counters::new(device),
@@ -110,7 +104,7 @@ impl Renderer {
         color: &wgpu::TextureView,
     ) {
         self.prepare(encoder, frame, &mut |_| true);
-        self.draw_sky(encoder, color, self.format);
+        self.draw_sky(encoder, frame, color, self.format);
     }
 
     /// Does the same as [`Renderer::render`] in pieces, each submitted and finished by itself, so that slow
@@ -160,7 +154,7 @@ impl Renderer {
     /// they lie in the very shadows that nephos draws. None where nothing casts any: without clouds, without an
     /// atmosphere, at night, or with [`Settings::shadows`] off.
     pub fn sun_map(&self) -> Option<SunMap<'_>> {
-        self.shadows.sun_map()
+        self.sun.shadows.sun_map()
     }
 
     /// Records the pass that finishes a linear picture for the screen, into 8 bits a channel.
@@ -200,7 +194,7 @@ impl Renderer {
     /// How many volumes and tables of light this renderer has made so far: a frame that
     /// changes nothing adds none.
     pub fn light_updates(&self) -> u32 {
-        self.redone + self.lights.redone
+        self.lamps().map(|lamp| lamp.redone + lamp.clouds.redone).sum()
     }
 
     /// What `shaders/march.wgsl` has been compiled for so far.
@@ -220,13 +214,18 @@ impl Renderer {
 
     /// Clouds of the last picture that wait for their light: see [`Settings::lights_at_once`].
     pub fn lights_waiting(&self) -> u32 {
-        self.lights.waiting
+        self.lamps().map(|lamp| lamp.clouds.waiting).sum()
     }
 
-    /// Memory that the light in the clouds takes, bytes: at most twice what 64 clouds of the
+    /// Memory that the light in the clouds takes, bytes: for each light at most twice what 64 clouds of the
     /// largest kind take in this quality and the coarsest light of all that are in the picture.
     pub fn light_bytes(&self) -> u64 {
-        self.lights.bytes()
+        self.lamps().map(|lamp| lamp.clouds.bytes()).sum()
+    }
+
+    /// The sun and the lights beside it.
+    fn lamps(&self) -> impl Iterator<Item = &Lamp> {
+        [&self.sun].into_iter().chain(self.further.iter().flatten())
     }
 
     fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
@@ -234,52 +233,45 @@ impl Renderer {
             self.counters.clear(encoder);
         }
         self.media.begin(self.settings.bake_from);
-        self.prepare_sky(encoder, frame);
-        self.prepare_lights(encoder, frame, flush);
-        self.prepare_shadows(encoder, frame);
-    }
-
-    /// Whether clouds cast shadows on anything in a picture of `frame`.
-    fn is_shaded(&self, frame: &Frame) -> bool {
-        self.settings.shadows && self.sky.has_atmosphere() && frame.sun.to_sun.y > LOWEST_SUN
-    }
-
-    fn prepare_shadows(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        if !self.is_shaded(frame) {
-            self.shadows.none();
-            return;
-        }
-        let inputs = ShadowInputs {
+        self.media.plan(frame.clouds.iter().map(|cloud| &*cloud.medium));
+        self.covers = self.found(frame);
+        let further = frame.lit_apart();
+        self.keep_lamps(&further);
+        self.prepare_media(encoder, frame, &further);
+        let room = Room {
             device: &self.device,
             queue: &self.queue,
-            frame,
-            sky: &self.sky,
-            aerial: self.settings.aerial,
+            settings: &self.settings,
             timing: self.timing.as_ref(),
+            media: &self.media,
+            covers: &self.covers,
         };
-        let texels = self.settings.quality.shadow_texels;
-        let casters = self.lights.casters(frame);
-        self.redone += self.shadows.prepare(&inputs, encoder, casters, texels);
+        let for_sun = self.settings.of_sun(frame);
+        self.sun.prepare_sky(&room, encoder, frame);
+        self.sun.prepare(&Room { settings: &for_sun, ..room }, encoder, frame, None, flush);
+        for (number, frame) in &further {
+            let Some(lamp) = &mut self.further[*number] else { continue };
+            let above = frame.by == LitBy::Sky;
+            if above {
+                lamp.prepare_sky(&room, encoder, frame);
+            }
+            lamp.prepare(&room, encoder, frame, (!above).then_some(&self.sun.sky), flush);
+        }
     }
 
-    fn draw_sky(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        target: &wgpu::TextureView,
-        format: wgpu::TextureFormat,
-    ) {
-        self.sky.draw_shaded(&self.device, encoder, (target, format), &self.shadows, self.timing.as_ref());
+    /// One for each light beside the sun that shines; what others held is given back.
+    fn keep_lamps(&mut self, further: &[(usize, Frame)]) {
+        for (number, lamp) in self.further.iter_mut().enumerate() {
+            if further.iter().all(|(shining, _)| *shining != number) {
+                *lamp = None;
+            } else if lamp.is_none() {
+                *lamp = Some(Lamp::new(&self.device));
+            }
+        }
     }
 
-    fn prepare_sky(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        let timing = self.timing.as_ref();
-        let redone = self.sky.prepare(&self.device, &self.queue, encoder, &frame.sky, &frame.camera, timing);
-        self.redone += redone.count();
-    }
-
-    /// Finds where the clouds are in the picture, and makes the light of those that are.
-    fn prepare_lights(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
-        self.media.plan(frame.clouds.iter().map(|cloud| &*cloud.medium));
+    /// Where the clouds are in the picture.
+    fn found(&self, frame: &Frame) -> Vec<Cover> {
         // Told before: what is of the device may not go from thread to thread in a browser.
         let baked: Vec<_> = frame.clouds.iter().map(|cloud| self.media.is_baked(&cloud.medium)).collect();
         let cover = |(cloud, &baked): (&CloudFrame, &bool)| {
@@ -295,37 +287,45 @@ impl Renderer {
             }
             cover
         };
-        self.covers = frame.clouds.par_iter().zip(&baked).map(cover).collect();
-        let in_view: Vec<_> = self.covers.iter().map(|cover| !cover.tiles.is_empty()).collect();
-        let shaded = self.is_shaded(frame);
-        let presence = |(cloud, seen): (&CloudFrame, &bool)| {
-            // Under a layer there is no place that it does not shade.
-            if *seen || (shaded && cloud.medium.layer.is_some()) {
-                Presence::Seen
-            } else if shaded && may_shade(frame, cloud) {
-                Presence::Shading
-            } else {
-                Presence::Away
-            }
-        };
-        let presence: Vec<_> = frame.clouds.iter().zip(&in_view).map(presence).collect();
-        for (cloud, _) in frame.clouds.iter().zip(&presence).filter(|(_, here)| **here != Presence::Away) {
-            self.media.prepare(encoder, &cloud.medium);
-        }
-        let inputs = Inputs {
-            device: &self.device,
-            to_sun: frame.sun.to_sun,
-            needs: self.settings.transport.0.needs,
-            lit_by_sky: self.sky.lights(),
-            sky: &self.sky,
-            timing: self.timing.as_ref(),
-        };
-        let Settings { quality, lights_at_once, .. } = &self.settings;
-        let media = &self.media;
-        self.lights.prepare(encoder, &inputs, media, frame, quality, &presence, *lights_at_once, flush);
+        frame.clouds.par_iter().zip(&baked).map(cover).collect()
     }
 
-    /// The clouds in the picture, far ones first.
+    /// Bakes what is seen or casts a shadow in any light.
+    fn prepare_media(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        further: &[(usize, Frame)],
+    ) {
+        let mut wanted = self.sun.find(frame, &self.settings, &self.covers);
+        for (number, frame) in further {
+            let Some(lamp) = &mut self.further[*number] else { continue };
+            let own = lamp.find(frame, &self.settings, &self.covers);
+            wanted.iter_mut().zip(own).for_each(|(wanted, own)| *wanted |= own);
+        }
+        for (cloud, _) in frame.clouds.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
+            self.media.prepare(encoder, &cloud.medium);
+        }
+    }
+
+    /// The sky in all lights.
+    fn draw_sky(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        target: &wgpu::TextureView,
+        format: wgpu::TextureFormat,
+    ) {
+        let timing = self.timing.as_ref();
+        self.sun.draw_sky(&self.device, encoder, (target, format), false, timing);
+        for light in frame.lights().iter().filter(|light| light.by == LitBy::Sky) {
+            if let Some(lamp) = &mut self.further[light.number] {
+                lamp.draw_sky(&self.device, encoder, (target, format), true, timing);
+            }
+        }
+    }
+
+    /// The clouds in the picture in all lights, far ones first.
     fn draws(
         &mut self,
         frame: &Frame,
@@ -333,10 +333,33 @@ impl Renderer {
         entry: &'static str,
         format: wgpu::TextureFormat,
     ) -> Vec<Draw> {
-        let order = far_to_near(frame);
-        let (settings, sky, shadows, counters) = (&self.settings, &self.sky, &self.shadows, &self.counters);
-        let view = View { frame, settings, depth, sky, shadows, counters, entry, format };
-        self.march.prepare(&view, &order, &self.covers, &self.media, &mut self.lights)
+        let way = Way { depth, entry, format, adds: false };
+        let mut draws = self.draws_of(frame, None, way);
+        for (number, frame) in frame.lit_apart() {
+            let own = self.draws_of(&frame, Some(number), Way { adds: true, ..way });
+            draws = each_over_its_own(draws, own);
+        }
+        pieces::in_order(draws)
+    }
+
+    /// The same in the light of the sun, or of another by its number.
+    fn draws_of(&mut self, frame: &Frame, number: Option<usize>, way: Way<'_>) -> Vec<(usize, Draw)> {
+        let room = Room {
+            device: &self.device,
+            queue: &self.queue,
+            settings: &self.settings,
+            timing: self.timing.as_ref(),
+            media: &self.media,
+            covers: &self.covers,
+        };
+        let march = (&mut self.march, &self.counters);
+        let Some(number) = number else {
+            let for_sun = self.settings.of_sun(frame);
+            return self.sun.draws(&Room { settings: &for_sun, ..room }, march, frame, None, way);
+        };
+        let sky = (frame.by != LitBy::Sky).then_some(&self.sun.sky);
+        let lamp = self.further[number].as_mut();
+        lamp.map_or_else(Vec::new, |lamp| lamp.draws(&room, march, frame, sky, way))
     }
 
     /// Begins a pass over what `targets` hold.
@@ -354,6 +377,21 @@ impl Renderer {
             ..Default::default()
         })
     }
+}
+
+/// Clouds in one light after the same clouds in those before; clouds that have none of those have none at all.
+fn each_over_its_own(draws: Vec<(usize, Draw)>, own: Vec<(usize, Draw)>) -> Vec<(usize, Draw)> {
+    let mut own: Vec<_> = own.into_iter().map(Some).collect();
+    let mut all = Vec::with_capacity(draws.len() + own.len());
+    let mut draws = draws.into_iter().peekable();
+    while let Some((cloud, draw)) = draws.next() {
+        all.push((cloud, draw));
+        if draws.peek().is_none_or(|(next, _)| *next != cloud) {
+            let found = own.iter_mut().find(|own| own.as_ref().is_some_and(|(of, _)| *of == cloud));
+            all.extend(found.and_then(Option::take));
+        }
+    }
+    all
 }
 
 /// The clouds by number, far ones first. What is beyond a layer, in height, is farther than it, however near it is.

@@ -3,8 +3,12 @@
 
 use wgpu::TextureView;
 
-use super::{Draw, Flush, HDR, Layers, Renderer, Target, clear, view};
-use crate::{Result, frame::Frame, gpu::Gpu};
+use super::{Draw, Flush, HDR, Layers, LightLayers, Renderer, Target, Way, clear, view};
+use crate::{
+    Result,
+    frame::{Frame, LitBy},
+    gpu::Gpu,
+};
 
 /// Tiles of one submission, of at most 256 pixels each: a second or two in final quality on two
 /// CPU cores.
@@ -31,6 +35,11 @@ impl Stage {
     fn new(draws: Vec<Draw>, targets: &[&TextureView]) -> Self {
         Self { draws, targets: targets.iter().map(|&view| view.clone()).collect() }
     }
+}
+
+/// Without the numbers of the clouds.
+pub(super) fn in_order(draws: Vec<(usize, Draw)>) -> Vec<Draw> {
+    draws.into_iter().map(|(_, draw)| draw).collect()
 }
 
 impl Pieces {
@@ -77,7 +86,7 @@ impl Renderer {
     ) -> Pieces {
         self.prepare(encoder, frame, flush);
         if target.sky {
-            self.draw_sky(encoder, target.color, self.format);
+            self.draw_sky(encoder, frame, target.color, self.format);
         }
         let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
         Pieces::new(vec![Stage::new(draws, &[target.color])])
@@ -96,19 +105,50 @@ impl Renderer {
         flush: Flush<'_>,
     ) -> (Layers, Pieces) {
         self.prepare(encoder, frame, flush);
-        let [sky, single, multiple, air, distance, normal] =
-            ["sky", "single", "multiple", "air", "distance", "normal"]
-                .map(|label| self.picture(label, frame.size(), HDR));
-        self.draw_sky(encoder, &view(&sky), HDR);
-        let targets = [&single, &multiple, &air, &distance, &normal].map(view);
-        targets.iter().for_each(|target| clear(encoder, target));
-        let [single_to, multiple_to, air_to, distance_to, normal_to] = &targets;
-        let lit = [single_to, multiple_to, air_to, distance_to];
-        let work = vec![
-            Stage::new(self.draws(frame, None, "normals", HDR), &[normal_to]),
-            Stage::new(self.draws(frame, None, "layers", HDR), &lit),
-        ];
-        (Layers { sky, single, multiple, air, distance, normal, unit: frame.unit() }, Pieces::new(work))
+        let [distance, normal] = ["distance", "normal"].map(|label| self.cleared(encoder, label, frame));
+        let normals =
+            self.draws_of(frame, None, Way { depth: None, entry: "normals", format: HDR, adds: false });
+        let mut work = vec![Stage::new(in_order(normals), &[&view(&normal)])];
+        let (sun, stage) = self.begin_light(encoder, frame, None, &view(&distance));
+        work.push(stage);
+        // How far clouds are is the same in all lights.
+        let same = view(&self.picture("the same distance", frame.size(), HDR));
+        let further = frame.lights().iter().map(|light| {
+            let (layers, stage) = self.begin_light(encoder, &frame.lit_by(light), Some(light.number), &same);
+            work.push(stage);
+            (light.name.clone(), layers)
+        });
+        let lights = further.collect();
+        (Layers { sun, lights, distance, normal, unit: frame.unit() }, Pieces::new(work))
+    }
+
+    /// What [`Renderer::begin_apart`] draws in the light of the sun or of another, by its number; the sky at once.
+    fn begin_light(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        number: Option<usize>,
+        distance: &TextureView,
+    ) -> (LightLayers, Stage) {
+        let sky = self.cleared(encoder, "sky", frame);
+        let lamp = number.map_or(Some(&mut self.sun), |number| self.further[number].as_mut());
+        if let Some(lamp) = lamp.filter(|_| frame.by == LitBy::Sky) {
+            lamp.draw_sky(&self.device, encoder, (&view(&sky), HDR), false, self.timing.as_ref());
+        }
+        let [single, multiple, air] =
+            ["single", "multiple", "air"].map(|label| self.cleared(encoder, label, frame));
+        let way = Way { depth: None, entry: "layers", format: HDR, adds: false };
+        let draws = in_order(self.draws_of(frame, number, way));
+        let [to_single, to_multiple, to_air] = [&single, &multiple, &air].map(view);
+        let stage = Stage::new(draws, &[&to_single, &to_multiple, &to_air, distance]);
+        (LightLayers { sky, single, multiple, air }, stage)
+    }
+
+    /// A picture with nothing in it yet.
+    fn cleared(&self, encoder: &mut wgpu::CommandEncoder, label: &str, frame: &Frame) -> wgpu::Texture {
+        let picture = self.picture(label, frame.size(), HDR);
+        clear(encoder, &view(&picture));
+        picture
     }
 
     /// Begins the work of each pixel of `frame`: steps, evaluations of the density and reads

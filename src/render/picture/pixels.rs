@@ -71,6 +71,13 @@ impl Picture {
         self
     }
 
+    /// Adds the colours of another picture of its size; alpha stays.
+    pub fn add_light(&mut self, other: &Self) {
+        for (pixel, other) in self.pixels.iter_mut().zip(&other.pixels) {
+            pixel[..3].iter_mut().zip(other).for_each(|(pixel, other)| *pixel += other);
+        }
+    }
+
     /// Puts this picture, whose colours are multiplied by alpha, over another of its size.
     pub fn put_over(&mut self, behind: &Self) {
         for (pixel, behind) in self.pixels.iter_mut().zip(&behind.pixels) {

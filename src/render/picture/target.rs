@@ -41,17 +41,32 @@ impl SceneDepth<'_> {
     }
 }
 
-/// The light of a picture apart, all premultiplied by the alpha in their fourth channel:
+/// The light of one sun apart, all premultiplied by the alpha in their fourth channel: its part of
 /// beauty = sky (1 - alpha) + single + multiple + air.
-pub struct Layers {
+pub struct LightLayers {
     /// Sky, sun and ground without clouds.
     pub sky: wgpu::Texture,
-    /// Sunlight scattered once in the clouds.
+    /// Its light scattered once in the clouds.
     pub single: wgpu::Texture,
     /// Light scattered more often, sky and ground light included.
     pub multiple: wgpu::Texture,
     /// Light scattered by the air in front of the clouds.
     pub air: wgpu::Texture,
+}
+
+impl LightLayers {
+    /// What is in and before the clouds.
+    pub fn of_clouds(&self) -> [&wgpu::Texture; 3] {
+        [&self.single, &self.multiple, &self.air]
+    }
+}
+
+/// The light of a picture apart.
+pub struct Layers {
+    /// Of the sun, and of a sky with light of its own.
+    pub sun: LightLayers,
+    /// Of each further light that shines, by its name: the whole picture is the sum.
+    pub lights: Vec<(String, LightLayers)>,
     /// Distance of the clouds in kilometres, in the first three channels.
     pub distance: wgpu::Texture,
     /// Which way the clouds face: a unit vector of the world where alpha is 1.

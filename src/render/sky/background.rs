@@ -18,6 +18,8 @@ pub(super) struct BackgroundKind {
     pub sun_disc: bool,
     /// Whether clouds cast shadows.
     pub shaded: bool,
+    /// Whether its light comes on top of what is there.
+    pub adds: bool,
 }
 
 pub(super) fn background_pipeline(
@@ -31,5 +33,7 @@ pub(super) fn background_pipeline(
         ("SUN_DISC", flag(kind.sun_disc)),
         ("SHADED", flag(kind.shaded)),
     ];
-    gpu::screen_pipeline(device, "sky", &overrides, format)
+    let blend = kind.adds.then_some(gpu::ADDS);
+    let target = wgpu::ColorTargetState { blend, ..format.into() };
+    gpu::screen_pipeline(device, "sky", &overrides, target)
 }

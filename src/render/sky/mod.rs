@@ -134,7 +134,7 @@ impl Sky {
             tables: None,
             backgrounds: Vec::new(),
             unshaded: Shadows::new(device),
-            current: BackgroundKind { atmosphere: false, sun_disc: false, shaded: false },
+            current: BackgroundKind { atmosphere: false, sun_disc: false, shaded: false, adds: false },
             made: None,
         }
     }
@@ -178,6 +178,7 @@ impl Sky {
             atmosphere: settings.atmosphere,
             sun_disc: sunlit && camera.projection != CameraUniform::ORTHOGRAPHIC,
             shaded: false,
+            adds: false,
         };
         self.made = Some(wanted);
         redo
@@ -236,21 +237,22 @@ impl Sky {
         timing: Option<&Timing>,
     ) {
         let pipeline = self.background(device, format, self.current);
-        self.draw_with(device, encoder, target, &pipeline, &self.unshaded, timing);
+        self.draw_with(device, encoder, target, (&pipeline, false), &self.unshaded, timing);
     }
 
-    /// The same with these shadows.
+    /// The same with these shadows, over what is there or on top of it.
     pub(super) fn draw_shaded(
         &mut self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         (target, format): (&TextureView, TextureFormat),
+        adds: bool,
         shadows: &Shadows,
         timing: Option<&Timing>,
     ) {
         let shaded = shadows.cast && self.current.atmosphere;
-        let pipeline = self.background(device, format, BackgroundKind { shaded, ..self.current });
-        self.draw_with(device, encoder, target, &pipeline, shadows, timing);
+        let pipeline = self.background(device, format, BackgroundKind { shaded, adds, ..self.current });
+        self.draw_with(device, encoder, target, (&pipeline, adds), shadows, timing);
     }
 
     fn draw_with(
@@ -258,7 +260,7 @@ impl Sky {
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         target: &TextureView,
-        pipeline: &wgpu::RenderPipeline,
+        (pipeline, adds): (&wgpu::RenderPipeline, bool),
         shadows: &Shadows,
         timing: Option<&Timing>,
     ) {
@@ -281,7 +283,7 @@ impl Sky {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    load: if adds { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(wgpu::Color::BLACK) },
                     store: wgpu::StoreOp::Store,
                 },
             })],

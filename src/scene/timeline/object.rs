@@ -221,6 +221,7 @@ fn world(scene: &Scene) -> Scene {
         name: scene.name.clone(),
         noise: scene.noise.clone(),
         sun: scene.sun.clone(),
+        lights: scene.lights.clone(),
         sky: scene.sky.clone(),
         ground: scene.ground.clone(),
         wind: scene.wind.clone(),

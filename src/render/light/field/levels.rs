@@ -19,6 +19,7 @@ pub struct FieldUniform {
     pub(crate) truncated: f32,
     pub(crate) scattering: Vec4,
     pub(crate) beam: Vec4,
+    pub(crate) flash: Vec4,
     pub(crate) repeats: u32,
     pub(super) padding: [u32; 3],
 }

@@ -43,6 +43,8 @@ pub(super) use view::{SolvedLight, eye_of};
 pub(super) struct FieldKey {
     pub medium: Shared<Medium>,
     pub cells: u32,
+    /// The ball that shines in it, in place of the sun: its centre and radius, m; a radius of 0 for none.
+    pub flash: Vec4,
 }
 
 /// The light of a cloud, on grids in one box.
@@ -147,20 +149,22 @@ impl FieldPass {
     ) -> Field {
         let mut solve = |lights, cells| {
             count();
-            self.solve(encoder, inputs, media, (&key.medium, cells), sun, lights)
+            self.solve(encoder, inputs, media, key, cells, sun, lights)
         };
         let sun = known_sun.unwrap_or_else(|| solve(Lights::Sun, key.cells));
         let sky = sky.map(|key| known_sky.unwrap_or_else(|| solve(Lights::Sky, key.cells)));
         Field { field_box: FieldBox::new(&key.medium), sun, sky }
     }
 
+    #[allow(clippy::too_many_arguments, reason = "where, what, and on how many cells")]
     /// Solves for `lights` in a medium, `most` cells along its longest axis.
     fn solve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         media: &Media,
-        (medium, most): (&Shared<Medium>, u32),
+        FieldKey { medium, flash, .. }: &FieldKey,
+        most: u32,
         (sun, sun_volume): (&BoxKey, &TextureView),
         lights: Lights,
     ) -> SolvedLight {
@@ -178,6 +182,7 @@ impl FieldPass {
             pass: self,
             inputs,
             field_box,
+            flash: *flash,
             scratch,
             lights,
             species: &medium.species,

@@ -40,6 +40,8 @@ pub(super) struct Solver<'a> {
     pub pass: &'a FieldPass,
     pub inputs: &'a Inputs<'a>,
     pub field_box: FieldBox,
+    /// A ball that shines in place of the sun: its centre and radius, m; a radius of 0 for none.
+    pub flash: Vec4,
     /// Radiance and source.
     pub scratch: [wgpu::Buffer; 2],
     pub lights: Lights,
@@ -219,7 +221,7 @@ impl Solver<'_> {
         let size = self.field_box.size(most);
         let species = self.species;
         let beam = -self.inputs.to_sun.as_vec3();
-        let is_sun = f32::from(u8::from(self.lights == Lights::Sun));
+        let is_sun = f32::from(u8::from(self.lights == Lights::Sun && self.flash.w == 0.0));
         FieldUniform {
             low: self.field_box.low,
             directions: DIRECTIONS as u32,
@@ -229,6 +231,7 @@ impl Solver<'_> {
             truncated: species.albedo * species.ahead,
             scattering: Vec4::from(species.beyond_ahead()) * species.albedo,
             beam: beam.extend(is_sun),
+            flash: self.flash,
             repeats: u32::from(self.field_box.repeats),
             padding: [0; 3],
         }

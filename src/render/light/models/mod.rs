@@ -40,7 +40,12 @@ models! {
     MOMENTS: moments,
 }
 
+mod dark;
+
 impl Transport {
+    /// That of clouds on which no light falls: nobody chooses it.
+    pub(in crate::render) const DARK: Self = Self(&dark::MODEL);
+
     /// All of them, the simplest first.
     pub fn all() -> impl ExactSizeIterator<Item = Self> {
         MODELS.iter().map(|model| Self(model))

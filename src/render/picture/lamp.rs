@@ -1,0 +1,169 @@
+//! One light of a scene: what is kept of it from frame to frame, and what it adds to a picture.
+
+use super::{Flush, View, far_to_near};
+use crate::{
+    frame::{Frame, LitBy},
+    gpu::Timing,
+    render::{
+        SceneDepth, Settings,
+        light::{Inputs, LightStore, Presence},
+        march::{Counters, Cover, Draw, March},
+        medium::Media,
+        shadow::{ShadowInputs, Shadows, may_shade},
+        sky::Sky,
+    },
+};
+
+/// Sine of the elevation from which a light casts shadows: below it they are as long as the air is deep.
+const LOWEST_LIGHT: f64 = 5e-3;
+
+/// The sun, or a light beside it.
+pub(super) struct Lamp {
+    /// In the clouds.
+    pub clouds: LightStore,
+    /// Of air and ground. Of lights of clouds alone it is not used.
+    pub sky: Sky,
+    pub shadows: Shadows,
+    presence: Vec<Presence>,
+    /// Tables and maps that were made so far.
+    pub redone: u32,
+}
+
+/// What all lights of a picture share.
+#[derive(Clone, Copy)]
+pub(super) struct Room<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    pub settings: &'a Settings,
+    pub timing: Option<&'a Timing>,
+    pub media: &'a Media,
+    pub covers: &'a [Cover],
+}
+
+/// What a picture of clouds is drawn as.
+#[derive(Clone, Copy)]
+pub(super) struct Way<'a> {
+    pub depth: Option<&'a SceneDepth<'a>>,
+    pub entry: &'static str,
+    pub format: wgpu::TextureFormat,
+    /// Whether the light comes on top of what is there, which has the clouds in it.
+    pub adds: bool,
+}
+
+impl Lamp {
+    pub fn new(device: &wgpu::Device) -> Self {
+        Self {
+            clouds: LightStore::default(),
+            sky: Sky::new(device),
+            shadows: Shadows::new(device),
+            presence: Vec::new(),
+            redone: 0,
+        }
+    }
+
+    /// Tells what is wanted of each cloud; says which are.
+    pub fn find(&mut self, frame: &Frame, settings: &Settings, covers: &[Cover]) -> Vec<bool> {
+        let shaded = is_shaded(frame, settings.shadows);
+        // Light from within is solved for, or there is none.
+        let in_fields = settings.transport.0.needs.field;
+        let presence = |(cloud, cover): (&crate::frame::CloudFrame, &Cover)| {
+            let is_flash = matches!(frame.by, LitBy::Flash(..));
+            if is_flash && (!in_fields || cloud.flash(frame.by).is_none()) {
+                return Presence::Away;
+            }
+            // Under a layer there is no place that it does not shade.
+            if !cover.tiles.is_empty() || (shaded && cloud.medium.layer.is_some()) {
+                Presence::Seen
+            } else if shaded && may_shade(frame, cloud) {
+                Presence::Shading
+            } else {
+                Presence::Away
+            }
+        };
+        self.presence = frame.clouds.iter().zip(covers).map(presence).collect();
+        self.presence.iter().map(|here| *here != Presence::Away).collect()
+    }
+
+    /// Makes what air and ground have of it.
+    pub fn prepare_sky(&mut self, room: &Room<'_>, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        let Room { device, queue, timing, .. } = *room;
+        self.redone += self.sky.prepare(device, queue, encoder, &frame.sky, &frame.camera, timing).count();
+    }
+
+    /// Makes its light in the clouds and then its shadows, under this sky or under its own.
+    pub fn prepare(
+        &mut self,
+        room: &Room<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        sky: Option<&Sky>,
+        flush: Flush<'_>,
+    ) {
+        let Settings { quality, transport, lights_at_once, .. } = room.settings;
+        let own = sky.unwrap_or(&self.sky);
+        let inputs = Inputs {
+            device: room.device,
+            queue: room.queue,
+            to_sun: frame.sun.to_sun,
+            by: frame.by,
+            needs: transport.0.needs,
+            lit_by_sky: frame.by == LitBy::Sky && own.lights(),
+            sky: own,
+            timing: room.timing,
+        };
+        let presence = &self.presence;
+        self.clouds.prepare(encoder, &inputs, room.media, frame, quality, presence, *lights_at_once, flush);
+        self.prepare_shadows(room, encoder, frame);
+    }
+
+    fn prepare_shadows(&mut self, room: &Room<'_>, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
+        if !is_shaded(frame, room.settings.shadows) {
+            self.shadows.none();
+            return;
+        }
+        let inputs = ShadowInputs {
+            device: room.device,
+            queue: room.queue,
+            frame,
+            sky: &self.sky,
+            aerial: room.settings.aerial,
+            timing: room.timing,
+        };
+        let casters = self.clouds.casters(frame);
+        self.redone += self.shadows.prepare(&inputs, encoder, casters, room.settings.quality.shadow_texels);
+    }
+
+    /// Draws the sky in its light over the whole of a target, or on top of what is there.
+    pub fn draw_sky(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        target: (&wgpu::TextureView, wgpu::TextureFormat),
+        adds: bool,
+        timing: Option<&Timing>,
+    ) {
+        self.sky.draw_shaded(device, encoder, target, adds, &self.shadows, timing);
+    }
+
+    /// The clouds in the picture, far ones first, each with its number.
+    pub fn draws(
+        &mut self,
+        room: &Room<'_>,
+        (march, counters): (&mut March, &Counters),
+        frame: &Frame,
+        sky: Option<&Sky>,
+        way: Way<'_>,
+    ) -> Vec<(usize, Draw)> {
+        let Way { depth, entry, format, adds } = way;
+        let order: Vec<_> =
+            far_to_near(frame).into_iter().filter(|&i| self.presence[i] == Presence::Seen).collect();
+        let (sky, shadows, settings) = (sky.unwrap_or(&self.sky), &self.shadows, room.settings);
+        let view = View { frame, settings, depth, sky, shadows, counters, entry, format, adds };
+        march.prepare(&view, &order, room.covers, room.media, &mut self.clouds)
+    }
+}
+
+/// Whether clouds cast shadows on anything in a picture of `frame`.
+fn is_shaded(frame: &Frame, shadows: bool) -> bool {
+    shadows && frame.by == LitBy::Sky && frame.sky.atmosphere && frame.sun.to_sun.y > LOWEST_LIGHT
+}
