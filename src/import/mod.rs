@@ -7,7 +7,7 @@ mod inside;
 mod mesh;
 mod obj;
 
-pub use camera::read_camera;
+pub use camera::{MovingCamera, read_camera};
 pub use fill::{Filled, fill};
 pub use inside::Inside;
 pub use mesh::{Mesh, read_mesh};

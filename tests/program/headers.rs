@@ -127,3 +127,54 @@ fn sequences_and_exports_take_the_camera_of_another_file() {
     };
     assert!(apart(&a, &b) <= 2 && apart(&a, &c) > 20, "{} {}", apart(&a, &b), apart(&a, &c));
 }
+
+/// A camera 800 m south that rises from 900 m by 2000 m in a second, as the child of a node that moves.
+fn rising(folder: &Path) {
+    let floats = |numbers: &[f32]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
+    let bytes = [floats(&[0.0, 1.0]), floats(&[0.0, 0.0, 0.0, 0.0, 2000.0, 0.0])].concat();
+    fs::write(folder.join("rise.bin"), &bytes).unwrap();
+    let document = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "nodes": [{"name": "crane", "children": [1]}, {"camera": 0, "translation": [0, 900, 800]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 40f64.to_radians(), "znear": 0.1}}],
+        "buffers": [{"uri": "rise.bin", "byteLength": 32}],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 8}, {"buffer": 0, "byteOffset": 8, "byteLength": 24}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 1, "componentType": 5126, "count": 2, "type": "VEC3"}],
+        "animations": [{
+            "samplers": [{"input": 0, "output": 1}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+    });
+    fs::write(folder.join("rise.gltf"), document.to_string()).unwrap();
+}
+
+#[test]
+fn an_animated_camera_is_where_its_nodes_are_at_each_frame_whatever_the_rate() {
+    let folder = started();
+    rising(folder.path());
+    let size = "--width 16 --height 16 --quality draft";
+    // Half a second in: frame 13 of 24 a second, and frame 7 of 12.
+    told(folder.path(), &format!("sequence scene.json -o a.#.exr --frames 13 --camera rise.gltf {size}"));
+    told(
+        folder.path(),
+        &format!("sequence scene.json -o b.#.exr --frames 7 --fps 12 --camera rise.gltf {size}"),
+    );
+    told(folder.path(), &format!("render scene.json -o c.exr --time 0.5 --camera rise.gltf {size}"));
+    for name in ["a.13.exr", "b.7.exr", "c.exr"] {
+        let Some(text) = header(&folder.path().join(name)) else { return };
+        assert!(text.contains("-1900 -800 1)"), "{name}: {text}");
+    }
+}
+
+#[test]
+fn a_scene_without_a_timeline_is_as_long_as_its_camera_moves() {
+    let folder = started();
+    rising(folder.path());
+    let still = SCENE.split(",\"timeline\"").next().unwrap().to_owned() + "}";
+    fs::write(folder.path().join("scene.json"), still).unwrap();
+    let size = "--width 8 --height 8 --quality draft --transport single";
+    told(folder.path(), &format!("sequence scene.json -o f.#.png --fps 4 --camera rise.gltf {size}"));
+    assert_eq!((1..9).filter(|n| folder.path().join(format!("f.{n}.png")).exists()).count(), 4);
+}

@@ -112,9 +112,9 @@ impl Sequence {
     /// Where the scene, the arguments, the adapter or a file are not good. Frames that were written
     /// before are whole.
     pub fn run(self) -> Result<()> {
-        let scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
-        let mut scene = self.camera.see(scene)?;
+        let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         let fps = self.set_fps(&mut scene).map_err(|error| error.in_file(&self.scene))?;
+        let scene = self.camera.see_over_time(scene, fps)?;
         let stills = self.stills(&scene, fps)?;
         let started = Instant::now();
         let mut report = match Container::of(&self.output) {
