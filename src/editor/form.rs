@@ -333,8 +333,8 @@ fn compact<'a>(value: &'a mut f64, unit: &str) -> DragValue<'a> {
 
 /// `value` in [`ROOM`] letters, where that is possible, and with three decimals at most.
 fn short(value: f64) -> String {
-    let texts = (0..=3).rev().map(|decimals| format!("{value:.decimals$}"));
-    let text = texts.clone().find(|text| text.len() <= ROOM).or_else(|| texts.last()).unwrap_or_default();
+    let told = |decimals: usize| format!("{value:.decimals$}");
+    let text = (1..=3).rev().map(told).find(|text| text.len() <= ROOM).unwrap_or_else(|| told(0));
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,

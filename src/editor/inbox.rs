@@ -5,7 +5,7 @@
 
 use std::collections::{HashSet, VecDeque};
 
-use eframe::egui::{Context, Event, Key, Plugin, RawInput, Ui};
+use eframe::egui::{Context, Event, Key, PlatformOutput, Plugin, RawInput, Ui};
 
 /// Passes over the panels that one painted frame may take: more input than that is seen in between.
 pub const PASSES: usize = 8;
@@ -39,7 +39,7 @@ impl Plugin for Inbox {
 
     fn on_end_pass(&mut self, ui: &mut Ui) {
         // Something was placed for the first time, and is where it belongs in the next pass.
-        if ui.output(|output| output.requested_discard()) && self.settled < LONGEST {
+        if ui.output(PlatformOutput::requested_discard) && self.settled < LONGEST {
             self.settling = true;
         }
         if !self.waiting.is_empty() {

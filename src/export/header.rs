@@ -22,7 +22,7 @@ pub enum ColorSpace {
 /// From linear Rec. 709 to ACEScg, rows first: primaries as above, adapted after Bradford (Lindbloom).
 const ACESCG_FROM_REC709: [[f32; 3]; 3] = [
     [0.613_097_4, 0.339_523_15, 0.047_379_45],
-    [0.070_193_72, 0.916_353_88, 0.013_452_4],
+    [0.070_193_72, 0.916_353_9, 0.013_452_4],
     [0.020_615_59, 0.109_569_77, 0.869_814_63],
 ];
 

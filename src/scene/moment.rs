@@ -98,22 +98,18 @@ impl Scene {
         let frames = i64::from(timeline.frames()) + i64::from(!timeline.looped);
         let times = (0..frames).map(|index| timeline.time_of(index)).filter(|time| *time <= timeline.length);
         let keys: Vec<_> = times.map(|time| (time, at(time))).collect();
-        let numbers: [(&str, fn(&Camera) -> f64); 7] = [
-            ("camera.position[0]", |camera| camera.position.x),
-            ("camera.position[1]", |camera| camera.position.y),
-            ("camera.position[2]", |camera| camera.position.z),
-            ("camera.target[0]", |camera| camera.target.x),
-            ("camera.target[1]", |camera| camera.target.y),
-            ("camera.target[2]", |camera| camera.target.z),
-            ("camera.roll_deg", |camera| camera.roll_deg),
-        ];
-        timeline.tracks.extend(numbers.map(|(path, number)| {
+        let mut follow = |path: String, number: &dyn Fn(&Camera) -> f64| {
             let key = |(time, camera): &(f64, Camera)| Key {
                 interpolation: Interpolation::Linear,
                 ..Key::new(*time, number(camera))
             };
-            Track { path: path.to_owned(), keys: keys.iter().map(key).collect() }
-        }));
+            timeline.tracks.push(Track { path, keys: keys.iter().map(key).collect() });
+        };
+        for axis in 0..3 {
+            follow(format!("camera.position[{axis}]"), &|camera| camera.position[axis]);
+            follow(format!("camera.target[{axis}]"), &|camera| camera.target[axis]);
+        }
+        follow("camera.roll_deg".to_owned(), &|camera| camera.roll_deg);
         scene.validate()?;
         Ok(scene)
     }
