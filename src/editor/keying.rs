@@ -14,7 +14,7 @@ use crate::scene::Scene;
 /// What the rows of a form are about.
 pub struct Keying {
     scene: Arc<Scene>,
-    /// Path of the cloud or the ellipsoid; empty for the world.
+    /// Path of the cloud, the ellipsoid or the light; empty for the world.
     object: String,
 }
 
@@ -29,13 +29,16 @@ impl Keying {
     pub fn keys(&self, path: &str, numbers: &[&str]) -> Option<(Vec<String>, Keyed)> {
         let (kind, field) = path.split_once('.')?;
         let object = &self.object;
+        // The sun, or a light beside it.
+        let sun = || if object.is_empty() { "sun".to_owned() } else { object.clone() };
         let home = match kind {
             "Scene" => String::new(),
-            "SunPosition" => "sun.position".to_owned(),
+            "SunPosition" => format!("{}.position", sun()),
             "Atmosphere" => "sky.atmosphere".to_owned(),
             "Projection" => "camera.projection".to_owned(),
-            "Sun" | "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),
-            "Cloud" | "Ellipsoid" => object.clone(),
+            "Sun" => sun(),
+            "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),
+            "Cloud" | "Ellipsoid" | "Lightning" => object.clone(),
             "Edge" | "Droplets" | "Life" | "Growth" => format!("{object}.{}", kind.to_lowercase()),
             "Phase" => format!("{object}.droplets.phase"),
             _ => return None,

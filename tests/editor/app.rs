@@ -458,6 +458,36 @@ fn the_sun_is_dragged_on_its_dial_in_one_step() {
 }
 
 #[test]
+fn a_light_is_added_moved_named_made_lightning_and_taken_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Kol);
+    let mut window = open(folder.path(), Some(&path));
+    let add = format!("{} Add a light", egui_phosphor::regular::PLUS);
+    click(&mut window, "World panel");
+    click(&mut window, "Lights");
+    click(&mut window, &add);
+    let source = |window: &Window<'_>| window.state().scene().lights[0].source.clone();
+    assert_eq!(source(&window).kind(), "key");
+    let sun = window.state().scene().sun.clone();
+    let kind = |window: &Window<'_>| window.get_by_role_and_label(Role::ComboBox, "What shines").click();
+    window.get_by_role_and_label(Role::ComboBox, "What shines").scroll_to_me();
+    window.run_steps(3);
+    kind(&window);
+    window.run_steps(4);
+    click(&mut window, "Lightning");
+    assert_eq!(source(&window).kind(), "lightning");
+    assert_eq!(window.state().scene().sun, sun);
+    click(&mut window, &add);
+    click(&mut window, "Remove lightning1");
+    let lights = &window.state().scene().lights;
+    assert_eq!(lights.iter().map(|light| light.source.kind()).collect::<Vec<_>>(), ["key"]);
+    for _ in 0..4 {
+        press(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(window.state().scene(), &Preset::Kol.scene(1));
+}
+
+#[test]
 fn the_view_panel_chooses_layers_and_tells_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Sphere);

@@ -51,9 +51,9 @@ fn flash(irradiance: f64) -> Light {
 /// Checks that `found` is the sum of pictures, to the rounding of half floats.
 fn is_sum(found: &Picture, of: &[Picture]) {
     for (i, pixel) in found.pixels.iter().enumerate() {
-        for c in 0..3 {
+        for (c, found) in pixel[..3].iter().enumerate() {
             let sum: f32 = of.iter().map(|picture| picture.pixels[i][c]).sum();
-            assert!((pixel[c] - sum).abs() < 4e-3 * sum.abs() + 1e-5, "pixel {i}: {} for {sum}", pixel[c]);
+            assert!((found - sum).abs() < 4e-3 * sum.abs() + 1e-5, "pixel {i}: {found} for {sum}");
         }
         assert!((pixel[3] - of[0].pixels[i][3]).abs() < 1e-3, "pixel {i}");
     }
@@ -131,6 +131,63 @@ fn what_does_not_shine_costs_nothing_and_a_set_sun_no_light() {
     let by_night = bytes(&fresh);
     draw(&mut fresh, &moonlit, SIZE, false);
     assert!(by_night > 0 && 10 * bytes(&fresh) >= 19 * by_night, "{by_night} {}", bytes(&fresh));
+}
+
+#[cfg(feature = "export")]
+#[test]
+fn exr_files_have_a_layer_for_each_light_and_the_beauty_is_their_sum() {
+    use exr::prelude::*;
+    let moon = Light { name: "la luna".to_owned(), ..light(LightSource::Moon(moon())) };
+    let lit = Scene { lights: vec![moon, light(LightSource::Key(sun(10.0, 20.0, [0.2; 3])))], ..scene() };
+    let mut renderer = renderer(sharp(), Transport::default());
+    let layers =
+        renderer.render_layers(gpu(), &Film::new(SIZE, 1).frame(&lit).unwrap(), &mut |_| ()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lights.exr");
+    nephos::export::write_layers(&path, gpu(), &layers, false, 1).unwrap();
+    let image = read_first_flat_layer_from_file(&path).unwrap();
+    let channel = |name: &str| {
+        let found = image.layer_data.channel_data.list.iter().find(|own| own.name.to_string() == name);
+        let own = found.unwrap_or_else(|| panic!("no channel {name}"));
+        own.sample_data.values_as_f32().collect::<Vec<_>>()
+    };
+    let whole = draw(&mut renderer, &lit, SIZE, true);
+    for (c, color) in ["R", "G", "B"].into_iter().enumerate() {
+        let of = |name: &str| channel(&format!("{name}.{color}"));
+        let parts = ["light.sun", "light.la luna", "light.key2"].map(of);
+        let (beauty, sky) = (channel(color), of("sky"));
+        let all = ["single", "multiple", "air"].map(of);
+        let through = channel("transmittance.Y");
+        for i in 0..beauty.len() {
+            let sum: f32 = parts.iter().map(|part| part[i]).sum();
+            assert!((sum - beauty[i]).abs() < 4e-3 * beauty[i] + 1e-5, "{color} {i}: {sum} {}", beauty[i]);
+            let layers = sky[i] * through[i] + all.iter().map(|layer| layer[i]).sum::<f32>();
+            assert!((layers - beauty[i]).abs() < 6e-3 * beauty[i] + 1e-5, "{color} {i}: {layers}");
+            let drawn = whole.pixels[i][c];
+            assert!((drawn - beauty[i]).abs() < 6e-3 * beauty[i] + 1e-5, "{color} {i}: {drawn}");
+        }
+    }
+}
+
+#[test]
+fn lights_that_are_none_end_in_a_sentence() {
+    let refused =
+        |lights: &str| Scene::from_json(&format!(r#"{{"lights":{lights}}}"#)).unwrap_err().to_string();
+    let cases = [
+        (r#"[{"source":{"moon":{"position":{"direction":[0,0,0]}}}}]"#, "lights[0].source.moon.position"),
+        (r#"[{"source":{"key":{"irradiance":[-1,0,0]}}}]"#, "lights[0].source.key.irradiance[0]"),
+        (r#"[{"source":{"lightning":{"radius":0}}}]"#, "1 to 100000 metres"),
+        (r#"[{"source":{"lamp":{}}}]"#, "lamp"),
+        (r#"[{"name":"a.b","source":{"key":{}}}]"#, "a.b"),
+        (r#"[{"name":"a","source":{"key":{}}},{"name":"a","source":{"moon":{}}}]"#, "lights[1].name"),
+        (r#"[{"name":"a"}]"#, "source"),
+    ];
+    for (lights, told) in cases {
+        let found = refused(lights);
+        assert!(found.contains(told), "{lights}: {found}");
+    }
+    let five = vec![r#"{"source":{"key":{}}}"#; 5].join(",");
+    assert!(refused(&format!("[{five}]")).contains("5 lights are too many"));
 }
 
 /// Mean of the light of a picture, and of its error.

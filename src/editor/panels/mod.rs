@@ -2,6 +2,7 @@
 
 mod growth;
 mod layer;
+mod lights;
 mod object;
 mod outliner;
 mod outliner_row;
@@ -13,6 +14,7 @@ mod world;
 
 use eframe::egui::{self, RichText, Ui};
 
+pub use lights::LightsPanel;
 pub use object::ObjectPanel;
 pub use outliner::Outliner;
 pub use sun::SunPanel;

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{hint, sun_dial::SunDial};
 use crate::{
     editor::{Document, form::Form, labels::name_widget, words::choice},
-    scene::{Sun, SunPosition},
+    scene::{LightSource, Scene, Sun, SunPosition},
 };
 
 /// Where a sun by place begins: a summer's evening in Utrecht.
@@ -25,9 +25,15 @@ pub struct SunPanel {
 }
 
 impl SunPanel {
-    /// Shows it.
+    /// Shows the sun.
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document) {
-        let mut sun = document.scene().sun.clone();
+        self.ui_of(ui, document, None);
+    }
+
+    /// Shows the sun, or a light beside it that stands as far away.
+    pub fn ui_of(&mut self, ui: &mut Ui, document: &mut Document, light: Option<usize>) {
+        let Some((mut sun, object)) = of(document.scene(), light) else { return };
+        let before = sun.clone();
         let heading = heading_deg(document.scene().camera().forward());
         let (azimuth, elevation) = angles_deg(sun.to_sun());
         let kinds = [
@@ -44,7 +50,7 @@ impl SunPanel {
             ),
             ("Direction", choice("SunPosition.direction"), SunPosition::Direction(sun.to_sun())),
         ];
-        let mut form = Form::new(ui).keyed(document, "");
+        let mut form = Form::new(ui).keyed(document, &object);
         form.choice("Sun.position", "Position", &mut sun.position, &kinds);
         let dial = SunDial { azimuth_deg: azimuth, elevation_deg: elevation, heading_deg: heading };
         if let Some((azimuth, elevation)) = dial.ui(form.ui()) {
@@ -70,16 +76,18 @@ impl SunPanel {
                 hint(form.ui(), &format!("Azimuth {azimuth:.1}°, elevation {elevation:.1}°"));
             }
         }
-        light(&mut form, &mut sun);
+        brightness(&mut form, &mut sun);
         // Dial and time are no rows of the form.
         let change = form.changed();
         if let Some(paths) = change.as_ref().and_then(|change| change.keys.as_ref()) {
             document.toggle_keys(paths);
             return;
         }
-        let change = change.map_or(("Move the sun", DIAL), |change| (change.name, change.field));
-        if sun != document.scene().sun {
-            document.adjust(change.0, change.1, |scene| scene.sun = sun);
+        let own = DIAL + light.map_or(0, |light| 1 + light as u64);
+        let name = if light.is_none() { "Move the sun" } else { "Move the light" };
+        let change = change.map_or((name, own), |change| (change.name, change.field));
+        if sun != before {
+            document.adjust(change.0, change.1, |scene| put(scene, light, sun));
         }
     }
 
@@ -115,8 +123,30 @@ impl SunPanel {
     }
 }
 
+/// The sun, or a light beside it, and the path of its keys.
+fn of(scene: &Scene, light: Option<usize>) -> Option<(Sun, String)> {
+    let Some(index) = light else { return Some((scene.sun.clone(), String::new())) };
+    let source = &scene.lights.get(index)?.source;
+    match source {
+        LightSource::Moon(sun) | LightSource::Key(sun) => {
+            Some((sun.clone(), format!("lights[{index}].source.{}", source.kind())))
+        }
+        LightSource::Lightning(_) => None,
+    }
+}
+
+fn put(scene: &mut Scene, light: Option<usize>, sun: Sun) {
+    let place = match light {
+        None => Some(&mut scene.sun),
+        Some(index) => scene.lights[index].source.as_sun_mut(),
+    };
+    if let Some(place) = place {
+        *place = sun;
+    }
+}
+
 /// The brightness and the size of the disc.
-fn light(form: &mut Form<'_>, sun: &mut Sun) {
+fn brightness(form: &mut Form<'_>, sun: &mut Sun) {
     let default = Sun::default();
     form.color("Sun.irradiance", "Irradiance", &mut sun.irradiance, default.irradiance);
     let diameter = &mut sun.angular_diameter_deg;

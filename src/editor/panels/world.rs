@@ -4,7 +4,7 @@ use eframe::egui::Ui;
 use egui_phosphor::regular as icon;
 use glam::DVec3;
 
-use super::{SunPanel, apply, hint, object::noise_rows, section};
+use super::{LightsPanel, SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
     scene::{Atmosphere, Camera, Cloud, Ground, Noise, Projection, Scene, Sky, ToneCurve},
@@ -23,6 +23,7 @@ pub enum Wish {
 #[derive(Debug, Default)]
 pub struct WorldPanel {
     sun: SunPanel,
+    lights: LightsPanel,
 }
 
 impl WorldPanel {
@@ -30,6 +31,7 @@ impl WorldPanel {
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document, metered: Option<f64>) -> Option<Wish> {
         let mut wish = None;
         section(ui, "Sun", true, |ui| self.sun.ui(ui, document));
+        section(ui, "Lights", !document.scene().lights.is_empty(), |ui| self.lights.ui(ui, document));
         section(ui, "Sky", true, |ui| sky(ui, document));
         section(ui, "Picture", true, |ui| picture(ui, document, metered));
         section(ui, "Camera", false, |ui| wish = camera(ui, document));
