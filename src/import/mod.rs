@@ -26,13 +26,9 @@ mod vol;
 #[cfg(feature = "import")]
 mod volume;
 
-<<<<<<< HEAD
 #[cfg(feature = "import")]
-pub use camera::read_camera;
-#[cfg(feature = "import")]
-=======
 pub use camera::{MovingCamera, read_camera};
->>>>>>> film
+#[cfg(feature = "import")]
 pub use fill::{Filled, fill};
 pub(crate) use grid::voxel;
 pub use grid::{Grid, MOST_ALONG};

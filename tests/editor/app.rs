@@ -261,7 +261,7 @@ fn a_volume_that_is_dropped_is_added_with_its_numbers_and_stays() {
     enter(&mut window, "Extinction at 1", "0.25");
     assert_eq!(added(&window).extinction, 0.25);
     assert!(added(&window).read_grid().is_some());
-    wait(&mut window, "the picture", |desk| !desk.editor().is_rendering());
+    window.run_steps(4);
     shoot(&mut window, "volume");
     press(&mut window, Modifiers::COMMAND, Key::S);
     assert!(!dirty(&mut window), "{}", told(&mut window));

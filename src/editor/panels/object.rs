@@ -174,12 +174,13 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     let widest = cloud.ellipsoids.iter().map(|e| 2.0 * e.radii.max_element()).fold(200.0, f64::max);
     let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
-<<<<<<< HEAD
+    let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
+    let is_used = cloud.ellipsoids.is_empty() || own < cloud.ellipsoids.len();
     if cloud.volume.is_none() {
-        edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
+        edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest, is_used);
         let default = Cloud::default();
         if cloud.layer.is_none() {
-            shape_rows(&mut form, &mut cloud);
+            shape_rows(&mut form, &mut cloud, document.scene().wind.velocity);
         }
         form.number(
             "Cloud.stratification",
@@ -188,14 +189,6 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
             default.stratification,
         );
         form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
-=======
-    let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
-    let is_used = cloud.ellipsoids.is_empty() || own < cloud.ellipsoids.len();
-    edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest, is_used);
-    let default = Cloud::default();
-    if cloud.layer.is_none() {
-        shape_rows(&mut form, &mut cloud, document.scene().wind.velocity);
->>>>>>> film
     }
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
