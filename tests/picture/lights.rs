@@ -186,7 +186,7 @@ fn lights_that_are_none_end_in_a_sentence() {
         let found = refused(lights);
         assert!(found.contains(told), "{lights}: {found}");
     }
-    let five = vec![r#"{"source":{"key":{}}}"#; 5].join(",");
+    let five = [r#"{"source":{"key":{}}}"#; 5].join(",");
     assert!(refused(&format!("[{five}]")).contains("5 lights are too many"));
 }
 
