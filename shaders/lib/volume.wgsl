@@ -20,6 +20,11 @@ struct Volume {
     voxel: f32,
     // Levels that there are.
     count: u32,
+    // Longest edge of a voxel, m.
+    widest: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
     // By level: bricks along each axis, and where those begin in the index.
     levels: array<vec4u, VOLUME_LEVELS>,
 }
@@ -42,7 +47,7 @@ fn volume_way(volume: Volume, direction: vec3f) -> vec3f {
 
 // The coarsest level whose voxels are no wider than a footprint, m.
 fn volume_level(volume: Volume, footprint: f32) -> u32 {
-    let coarser = floor(log2(max(footprint / volume.voxel, 1.0)));
+    let coarser = floor(log2(max(footprint / volume.widest, 1.0)));
     return u32(min(coarser, f32(volume.count - 1u)));
 }
 

@@ -22,6 +22,6 @@ impl Edit {
     /// # Errors
     /// Where there is no window or no adapter to be had.
     pub fn run(self) -> Result<()> {
-        editor::run(self.scene, self.adapter)
+        editor::run(self.scene, self.adapter, super::jobs::program())
     }
 }

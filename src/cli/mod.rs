@@ -1,12 +1,17 @@
 //! The command line: one file a subcommand.
 
 mod bench;
+mod camera;
+mod desk;
 #[cfg(feature = "editor")]
 mod edit;
 mod export;
 mod fill;
 mod import;
 mod info;
+#[cfg(feature = "editor")]
+mod jobs;
+mod light;
 mod new;
 mod numbers;
 mod picture;
@@ -76,6 +81,9 @@ fn taking_negative_numbers(command: clap::Command) -> clap::Command {
     command.mut_args(reading).mut_subcommands(taking_negative_numbers)
 }
 
+#[cfg(feature = "editor")]
+pub use jobs::program;
+
 /// Exit code of what Ctrl-C has stopped, as shells have it.
 const STOPPED: u8 = 130;
 
@@ -121,6 +129,7 @@ pub fn main() -> ExitCode {
     let command = command();
     if command.draws() {
         listen_to_ctrl_c();
+        desk::listen();
     }
     let result = match command {
         #[cfg(feature = "editor")]

@@ -5,13 +5,14 @@ use std::{path::Path, sync::LazyLock};
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
 use super::{
+    light::LightOptions,
     numbers::{above_zero, share},
     open, stopped,
     tone::ToneOptions,
 };
 use crate::{
     Error, Result,
-    export::{self, Notes, Picture},
+    export::{self, Header, Notes, Picture, Shutter},
     gpu::{Gpu, Timing},
     reference::Estimate,
     render::{Film, Frame, Quality, Renderer, Transport},
@@ -48,6 +49,8 @@ pub struct PictureOptions {
     supersample: Option<u32>,
     #[command(flatten)]
     pub(super) tone: ToneOptions,
+    #[command(flatten)]
+    light: LightOptions,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     pub(super) layers: bool,
@@ -64,14 +67,14 @@ pub struct PictureOptions {
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum QualityName {
+pub(super) enum QualityName {
     Draft,
     Preview,
     Final,
 }
 
 impl QualityName {
-    fn quality(self) -> Quality {
+    pub(super) fn quality(self) -> Quality {
         match self {
             Self::Draft => Quality::DRAFT,
             Self::Preview => Quality::PREVIEW,
@@ -153,8 +156,9 @@ impl PictureOptions {
         if self.layers && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
-        if format == Format::Exr {
-            self.tone.refuse_for("EXR")?;
+        match format {
+            Format::Exr => self.tone.refuse_for("EXR")?,
+            Format::Png => self.light.refuse_for("PNG")?,
         }
         self.check_transport()?;
         self.check_rays()
@@ -205,6 +209,23 @@ impl PictureOptions {
         }
     }
 
+    /// What files of such pictures tell, as far as it is the same for all.
+    pub fn notes(&self) -> Notes {
+        self.light.notes()
+    }
+
+    /// What the file of a job tells: also by which camera, and how exposed, the scene is seen.
+    fn noted(&self, job: &Job<'_>) -> Notes {
+        let posed = job.scene.posed(job.scene.time);
+        let aspect = f64::from(self.width) / f64::from(self.height);
+        let header = Header {
+            shutter: Some(Shutter { camera: posed.camera(), aspect }),
+            exposure: Some(posed.exposure),
+            ..job.notes.header.clone()
+        };
+        Notes { header, ..job.notes.clone() }
+    }
+
     /// Opens the adapter.
     ///
     /// # Errors
@@ -249,7 +270,14 @@ impl PictureOptions {
             let layers =
                 painter.renderer.render_layers(&painter.gpu, &job.frame, progress).map_err(unwritten)?;
             let n = self.film().rays() as usize;
-            export::write_layers_noted(job.output, &painter.gpu, &layers, self.transparent, n, &job.notes)?;
+            export::write_layers_noted(
+                job.output,
+                &painter.gpu,
+                &layers,
+                self.transparent,
+                n,
+                &self.noted(job),
+            )?;
             return Ok(None);
         }
         let drawn = self.draw(painter, job, progress).map_err(unwritten)?;
@@ -281,9 +309,9 @@ impl PictureOptions {
         let picture = &drawn.picture;
         match (Format::of(job.output)?, &drawn.estimate) {
             (Format::Exr, Some(estimate)) => {
-                export::write_estimate_noted(job.output, picture, estimate, job.scene, &job.notes)
+                export::write_estimate_noted(job.output, picture, estimate, job.scene, &self.noted(job))
             }
-            (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &job.notes),
+            (Format::Exr, None) => export::write_beauty_noted(job.output, picture, &self.noted(job)),
             (Format::Png, _) => {
                 let bytes = self.finished(painter, picture, job)?;
                 let size = [self.width, self.height];

@@ -1,14 +1,12 @@
 //! `nephos render`: a picture of a scene.
 
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::{path::PathBuf, time::Instant};
 
 use clap::Args;
 use serde::Serialize;
 
 use super::{
+    camera::CameraOption,
     numbers::number,
     picture::{Format, Job, Painter, PictureOptions},
     stopped, terminal,
@@ -19,10 +17,9 @@ use crate::{
     export::Notes,
     files::check_place,
     gpu::{self, PassTime},
-    import::read_camera,
     reference::Estimate,
     render::Counts,
-    scene::{Camera, Scene},
+    scene::Scene,
 };
 
 /// Render a scene file to a picture.
@@ -47,20 +44,8 @@ pub struct Render {
     /// Write what is told as JSON.
     #[arg(long)]
     json: bool,
-    /// Take the camera of a glTF file instead of the scene's: FILE or, of several, FILE#NAME.
-    #[arg(long, value_name = "FILE")]
-    camera: Option<PathBuf>,
-}
-
-/// The camera of `FILE` or `FILE#NAME`; names of files and of cameras may hold `#`, too.
-fn camera_of(named: &Path) -> Result<Camera> {
-    let text = named.to_string_lossy();
-    let parts = text.match_indices('#').map(|(at, _)| (Path::new(&text[..at]), &text[at + 1..]));
-    let mut parts = parts.filter(|(file, _)| file.is_file() && !named.exists());
-    match parts.next() {
-        Some((file, name)) => read_camera(file, Some(name)),
-        None => read_camera(named, None),
-    }
+    #[command(flatten)]
+    camera: CameraOption,
 }
 
 /// What `--json` tells.
@@ -98,16 +83,14 @@ impl Render {
         check_place(&self.output)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
-        if let Some(file) = &self.camera {
-            scene = scene.seen_by(camera_of(file)?);
-        }
+        scene = self.camera.see(scene)?;
         // What is wrong with the scene is told before an adapter is looked for.
         let frame = self.picture.frame(&scene)?;
         let mut painter = self.picture.painter()?;
         painter.count(self.stats);
         let started = Instant::now();
-        let bar = terminal::progress("rendering");
-        let mut progress = |share: f64| bar.set_position((1000.0 * share) as u64);
+        let bar = terminal::share("rendering");
+        let mut progress = |share: f64| bar.set(share);
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", self.output.display()));
         let metered = match format {
@@ -121,11 +104,23 @@ impl Render {
             output: &self.output,
             resume: self.resume,
             keep: true,
-            notes: Notes::default(),
+            notes: self.notes(&scene),
         };
         let traced = self.picture.draw_to_file(&mut painter, &job, &mut progress)?;
-        bar.finish_and_clear();
+        bar.finish();
         self.tell(&painter, metered, traced.as_ref(), started.elapsed().as_secs_f64())
+    }
+
+    /// What the file says of the frame: its number where the scene has frames and it is one of them.
+    fn notes(&self, scene: &Scene) -> Notes {
+        let mut notes = self.picture.notes();
+        if let Some(timeline) = &scene.timeline {
+            let index = (scene.time * timeline.fps).round();
+            let is_frame = (index / timeline.fps - scene.time).abs() < 1e-6;
+            notes.header.frame = is_frame.then_some(index as i32 + 1);
+            notes.header.fps = Some(timeline.fps);
+        }
+        notes
     }
 
     /// Only EXR files hold what path tracing found so far.

@@ -2,12 +2,16 @@
 
 use std::{
     io::{self, IsTerminal, Write},
-    sync::{Mutex, PoisonError},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
     time::{Duration, Instant},
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
 
+use super::desk;
 use crate::{Error, Result};
 
 /// Log lines go to the standard error: warnings by default, more with `RUST_LOG`.
@@ -32,6 +36,37 @@ pub(super) fn progress(message: &'static str) -> ProgressBar {
         bar.set_style(style);
     }
     bar
+}
+
+/// How far work is that draws or exports: a bar or lines, or what the program hears that listens.
+pub(super) struct Share {
+    bar: Option<ProgressBar>,
+    told: AtomicU64,
+}
+
+/// Begins work of this name.
+pub(super) fn share(message: &'static str) -> Share {
+    let bar = (!desk::is_there()).then(|| progress(message));
+    Share { bar, told: AtomicU64::new(0) }
+}
+
+impl Share {
+    /// So much is done, 0 to 1; returns when the work may go on.
+    pub fn set(&self, share: f64) {
+        let thousandths = (1000.0 * share) as u64;
+        if let Some(bar) = &self.bar {
+            return bar.set_position(thousandths);
+        }
+        if self.told.swap(thousandths, Ordering::Relaxed) != thousandths {
+            desk::tell(thousandths);
+        }
+        desk::wait();
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
+    }
 }
 
 /// Time between two lines of progress.

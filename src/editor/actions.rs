@@ -26,8 +26,10 @@ pub enum Action {
     SaveAs,
     /// Reads the file again.
     Revert,
-    /// Draws the final picture.
-    Render,
+    /// Asks for a picture, a sequence or an export: a number of [`super::jobs::KINDS`].
+    Job(usize),
+    /// Shows or closes the queue of jobs.
+    ToggleJobs,
     /// Ends the program.
     Quit,
     /// Takes the last step back.
@@ -204,7 +206,16 @@ fn file() -> Vec<Entry> {
         own("File", Save, "Save", &[(CTRL, Key::S)], "Writes the scene to its file, whole or not at all."),
         own("File", SaveAs, "Save as...", &[(CTRL_SHIFT, Key::S)], "Writes the scene to another file and goes on with that."),
         own("File", Revert, "Revert to saved", &[], "Reads the file again; what was not saved is lost."),
-        own("File", Render, "Render picture...", &[(PLAIN, Key::F12)], "Draws the final picture into a PNG or EXR file."),
+        own("File", Job(0), "Render picture...", &[(PLAIN, Key::F12)], "Draws the final picture into a PNG or EXR file."),
+        own("File", Job(1), "Render sequence...", &[(CTRL, Key::F12)], "Draws the scene over time into numbered pictures or a movie."),
+        own("Export", Job(2), "Export volume...", &[], "Writes the density in voxels as OpenVDB or for Mitsuba."),
+        own("Export", Job(3), "Export sky map...", &[], "Writes the whole sky around the camera."),
+        own("Export", Job(4), "Export shadow map...", &[], "Writes how much sunlight the clouds let through to the ground."),
+        own("Export", Job(5), "Export six-way sprite...", &[], "Writes how a cloud looks in light from six sides."),
+        own("Export", Job(6), "Export flip-book...", &[], "Writes an atlas of frames of a cloud that changes."),
+        own("Export", Job(7), "Export impostor...", &[], "Writes an atlas of pictures of a cloud from many sides."),
+        own("Export", Job(8), "Export camera...", &[], "Writes the scene's camera as glTF for other programs."),
+        own("Window", ToggleJobs, "Jobs", &[(PLAIN, Key::F10)], "Shows or closes the queue of pictures, sequences and exports."),
         own("File", Quit, "Quit", &[(CTRL, Key::Q)], "Ends the editor; asks first where something is not saved."),
     ]
 }

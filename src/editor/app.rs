@@ -1,6 +1,7 @@
 //! The editor as a whole: its state, and one frame of it.
 
 use std::{
+    num::NonZeroUsize,
     path::PathBuf,
     time::{Duration, Instant},
 };
@@ -12,11 +13,12 @@ use super::{
     actions::Action,
     asking::{Dialog, Then},
     choosing::{Choosing, Purpose},
+    inbox,
+    jobs::{Ended, JobForm, Jobs, Program},
     labels::name_widget,
     notices::Notices,
-    panels::{ObjectPanel, Outliner, PicturePanel, TimelinePanel, ViewPanel, Wish, WorldPanel},
+    panels::{ObjectPanel, Outliner, TimelinePanel, ViewPanel, Wish, WorldPanel},
     settings::{Look, Places, Settings},
-    still::{Outcome, StillJob},
     theme,
     viewport::{ViewCommand, ViewSettings, Viewport},
 };
@@ -31,12 +33,14 @@ pub struct Options {
     pub places: Places,
     /// How long unsaved work may be lost by a crash.
     pub keep_after: Duration,
+    /// What renders and exports beside the work; nothing where there is none.
+    pub program: Option<Program>,
 }
 
 impl Options {
     /// Opens `scene`, or nothing, and keeps the editor's own files in `places`.
     pub fn new(scene: Option<PathBuf>, places: Places) -> Self {
-        Self { scene, places, keep_after: Duration::from_secs(10) }
+        Self { scene, places, keep_after: Duration::from_secs(10), program: None }
     }
 }
 
@@ -60,18 +64,23 @@ pub struct Editor {
     pub(super) object: ObjectPanel,
     pub(super) world: WorldPanel,
     pub(super) view: ViewPanel,
-    pub(super) picture: PicturePanel,
+    pub(super) form: JobForm,
     pub(super) timeline: TimelinePanel,
     pub(super) tab: Tab,
     pub(super) dialog: Option<Dialog>,
     pub(super) notices: Notices,
-    pub(super) job: Option<StillJob>,
+    pub(super) program: Option<Program>,
+    pub(super) jobs: Jobs,
+    /// Whether the window was told to close while there were jobs.
+    pub(super) warned: bool,
     pub(super) closing: bool,
     pub(super) had_focus: bool,
     /// Seed of the last preset.
     pub(super) seed: u64,
     keep_after: Duration,
     title: String,
+    /// The settings as they are in their file.
+    written: Option<Settings>,
     looked: Instant,
 }
 
@@ -79,7 +88,11 @@ impl Editor {
     /// An editor whose viewport draws with the window's device.
     pub fn new(ctx: &Context, render_state: &egui_wgpu::RenderState, options: Options) -> Self {
         theme::dress(ctx);
-        ctx.options_mut(|options| options.zoom_with_keyboard = false);
+        ctx.options_mut(|options| {
+            options.zoom_with_keyboard = false;
+            options.max_passes = NonZeroUsize::new(inbox::PASSES).unwrap_or(NonZeroUsize::MIN);
+        });
+        ctx.add_plugin(inbox::Inbox::default());
         let settings = Settings::load(&options.places);
         let (session, problem) = Session::begin(&options.places);
         let mut viewport = Viewport::new(render_state);
@@ -95,17 +108,20 @@ impl Editor {
             object: ObjectPanel::default(),
             world: WorldPanel::default(),
             view: ViewPanel,
-            picture: PicturePanel::default(),
+            form: JobForm::default(),
             timeline: TimelinePanel::default(),
             tab: Tab::default(),
             dialog: None,
             notices: Notices::default(),
-            job: None,
+            program: options.program,
+            jobs: Jobs::default(),
+            warned: false,
             closing: false,
             had_focus: true,
             seed: 0,
             keep_after: options.keep_after,
             title: String::new(),
+            written: None,
             looked: Instant::now(),
         };
         editor.apply_settings(ctx);
@@ -156,9 +172,14 @@ impl Editor {
         self.document.scene().timeline.is_some() && self.settings.shows("timeline")
     }
 
-    /// Whether a picture is being drawn.
-    pub fn is_rendering(&self) -> bool {
-        self.job.is_some()
+    /// Whether there are jobs that are not at their end.
+    pub fn has_jobs(&self) -> bool {
+        self.jobs.are_busy()
+    }
+
+    /// The jobs, to be added to.
+    pub fn jobs_mut(&mut self) -> &mut Jobs {
+        &mut self.jobs
     }
 
     /// One frame.
@@ -173,6 +194,7 @@ impl Editor {
         CentralPanel::default()
             .frame(Frame::new().fill(ctx.global_style().visuals.extreme_bg_color))
             .show(ui, |ui| self.viewport.ui(ui, &mut self.document));
+        self.jobs.show(&ctx);
         self.dialogs(&ctx);
         self.shortcuts(&ctx);
         self.wind_up(&ctx);
@@ -187,19 +209,10 @@ impl Editor {
                 false => self.ask(ctx, Then::Open(path)),
             }
         }
-        if self.job.as_ref().is_some_and(StillJob::is_finished)
-            && let Some(job) = self.job.take()
-        {
-            match job.finish() {
-                Outcome::Written(path, time) => {
-                    self.notices.news(format!(
-                        "The picture is {} ({:.1} s).",
-                        path.display(),
-                        time.as_secs_f64()
-                    ));
-                }
-                Outcome::Cancelled => self.notices.news("The picture was cancelled; nothing was written."),
-                Outcome::Failed(error) => self.notices.problem(error),
+        for ended in self.jobs.go_on(ctx) {
+            match ended {
+                Ended::Well(text) => self.notices.news(text),
+                Ended::Badly(text) => self.notices.problem(text),
             }
         }
         let has_focus = ctx.input(|input| input.focused);
@@ -209,6 +222,7 @@ impl Editor {
         if back || self.looked.elapsed() > Duration::from_secs(2) {
             self.looked = Instant::now();
             self.notice_changes();
+            self.write_settings();
         }
     }
 
@@ -309,9 +323,14 @@ impl Editor {
         }
     }
 
-    /// Writes down what is to be remembered: when the editor ends.
+    /// Writes down what is to be remembered, where it changed: in a while, and when the editor ends.
     pub fn write_settings(&mut self) {
         self.settings.viewport = serde_json::to_value(&self.viewport.settings).unwrap_or_default();
+        if self.written.as_ref() == Some(&self.settings) {
+            return;
+        }
+        // Told once, not every time.
+        self.written = Some(self.settings.clone());
         if let Err(error) = self.settings.save(&self.places) {
             tracing::warn!(%error, "the settings were not saved");
         }
@@ -329,7 +348,7 @@ impl Editor {
     /// Begins to choose a file.
     pub(super) fn choose(&mut self, ctx: &Context, purpose: Purpose, then: Option<Then>) {
         let near = match purpose {
-            Purpose::Picture => PathBuf::from(&self.picture.path),
+            Purpose::Job => self.form.output(),
             Purpose::Open | Purpose::Save => self.near(purpose),
         };
         let own = self.settings.own_file_window || !super::choosing::system_has_a_window();

@@ -14,7 +14,7 @@ pub(super) enum Dialog {
     Changed,
     Overwrite(Option<Then>),
     Choosing(Choosing, Option<Then>),
-    Picture,
+    Job,
     Palette(Palette),
     Shortcuts(Shortcuts),
     About,

@@ -19,8 +19,8 @@ pub enum Purpose {
     Open,
     /// A scene to write.
     Save,
-    /// A picture to write.
-    Picture,
+    /// A file for a job to write.
+    Job,
 }
 
 impl Purpose {
@@ -28,7 +28,7 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::Save => "Save the scene as",
-            Self::Picture => "Picture to write",
+            Self::Job => "File to write",
         }
     }
 
@@ -36,20 +36,21 @@ impl Purpose {
         match self {
             Self::Open => "Open",
             Self::Save => "Save",
-            Self::Picture => "Choose",
+            Self::Job => "Choose",
         }
     }
 
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Open | Self::Save => &["json"],
-            Self::Picture => &["png", "exr"],
+            Self::Job => &["png", "exr", "mp4", "webm", "vdb", "vol", "hdr", "ktx2", "glb", "gltf"],
         }
     }
 
     /// `path` with an ending, where none was given.
     fn complete(self, path: PathBuf) -> PathBuf {
         match self {
+            Self::Job => path,
             _ if path.extension().is_some() => path,
             Self::Open if path.exists() => path,
             _ => path.with_extension(self.endings()[0]),
@@ -118,9 +119,8 @@ fn ask_system(purpose: Purpose, near: &Path, ctx: Context) -> Receiver<Option<Pa
     let mut dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).set_directory(folder_of(near));
     dialog = match purpose {
         Purpose::Open | Purpose::Save => dialog.add_filter("nephos scene", purpose.endings()),
-        Purpose::Picture => {
-            dialog.add_filter("PNG picture", &["png"]).add_filter("OpenEXR picture", &["exr"])
-        }
+        // The ending says what is written: any file may be meant.
+        Purpose::Job => dialog,
     };
     if let Some(name) = near.file_name() {
         dialog = dialog.set_file_name(name.to_string_lossy());
@@ -128,7 +128,7 @@ fn ask_system(purpose: Purpose, near: &Path, ctx: Context) -> Receiver<Option<Pa
     // Some systems want the window made on this thread; all let another one wait for it.
     let file = match purpose {
         Purpose::Open => Box::pin(dialog.pick_file()) as std::pin::Pin<Box<dyn Future<Output = _> + Send>>,
-        Purpose::Save | Purpose::Picture => Box::pin(dialog.save_file()),
+        Purpose::Save | Purpose::Job => Box::pin(dialog.save_file()),
     };
     thread::spawn(move || {
         let path = pollster::block_on(file).map(|file| file.path().to_owned());

@@ -10,9 +10,8 @@ use super::{
     asking::{Dialog, Then},
     choosing::Purpose,
     dialogs::{self, Beginning, Changed, Recover, Unsaved},
+    jobs::{JobWish, Order},
     palette::Answer,
-    panels::PictureWish,
-    still::StillJob,
     viewport::ViewCommand,
 };
 use crate::scene::{Cloud, Scene, Volume};
@@ -20,14 +19,21 @@ use crate::scene::{Cloud, Scene, Volume};
 impl Editor {
     /// What the editor begins with.
     pub(super) fn begin(&mut self, scene: Option<PathBuf>) {
-        let nothing = scene.is_none();
         if let Some(path) = scene {
             self.open(&path);
         }
         let kept = self.session.left_behind();
         if !kept.is_empty() {
             self.dialog = Some(Dialog::Recover(kept));
-        } else if nothing {
+        } else {
+            self.welcome();
+        }
+    }
+
+    /// The start window, where there is nothing else to look at: no file, no cloud, no question.
+    fn welcome(&mut self) {
+        let untouched = self.session.path().is_none() && !self.document.is_dirty();
+        if untouched && self.dialog.is_none() && self.document.scene().clouds.is_empty() {
             self.dialog = Some(Dialog::Welcome);
         }
     }
@@ -62,7 +68,7 @@ impl Editor {
     fn start(&mut self, scene: Scene) {
         self.session.start_new();
         self.replace(Document::new(scene));
-        self.picture.path.clear();
+        self.form.forget_files();
     }
 
     fn replace(&mut self, document: Document) {
@@ -77,7 +83,7 @@ impl Editor {
             Ok(scene) => {
                 self.replace(Document::new(scene));
                 self.remember(path);
-                self.picture.path.clear();
+                self.form.forget_files();
                 if self.session.is_read_only() {
                     let name = self.session.name();
                     self.notices.problem(format!("{name} is read-only: save changes under another name."));
@@ -183,9 +189,13 @@ impl Editor {
             self.dialog = Some(Dialog::Unsaved(Then::Close));
             return;
         }
-        if let Some(job) = &self.job {
-            job.cancel();
+        if self.jobs.are_busy() && !std::mem::replace(&mut self.warned, true) {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            (self.closing, self.jobs.is_open) = (false, true);
+            self.notices.problem("Jobs are under way: wait for them, or close once more to stop them.");
+            return;
         }
+        self.jobs.stop_all();
     }
 
     /// Shows what is open over everything else.
@@ -212,6 +222,9 @@ impl Editor {
                 if !stays && !left.is_empty() && left.len() < kept.len() && !self.document.is_dirty() {
                     self.dialog = Some(Dialog::Recover(left));
                 }
+                if !stays {
+                    self.welcome();
+                }
                 stays
             }
             Dialog::Unsaved(then) => stay(dialogs::unsaved(ctx, &name), |what| match what {
@@ -234,19 +247,26 @@ impl Editor {
             }),
             Dialog::Choosing(choosing, then) => {
                 let purpose = choosing.purpose;
-                stay(choosing.show(ctx), |path| match purpose {
+                let answer = choosing.show(ctx);
+                if answer == Answer::Closed && purpose == Purpose::Open {
+                    self.welcome();
+                }
+                stay(answer, |path| match purpose {
                     Purpose::Open => self.open(&path),
                     Purpose::Save => self.save_to(ctx, &path, then.take()),
-                    Purpose::Picture => {
-                        self.picture.path = path.display().to_string();
-                        self.dialog = Some(Dialog::Picture);
+                    Purpose::Job => {
+                        self.form.set_output(&path);
+                        self.dialog = Some(Dialog::Job);
                     }
                 })
             }
-            Dialog::Picture => stay(self.picture.show(ctx), |wish| match wish {
-                PictureWish::Choose => self.choose(ctx, Purpose::Picture, None),
-                PictureWish::Render => self.render(ctx),
-            }),
+            Dialog::Job => {
+                let Some(program) = &self.program else { return None };
+                stay(self.form.show(ctx, program), |wish| match wish {
+                    JobWish::Choose => self.choose(ctx, Purpose::Job, None),
+                    JobWish::Begin => self.begin_job(),
+                })
+            }
             Dialog::Palette(palette) => {
                 stay(palette.show(ctx, |action| self.can(action)), |action| self.perform(ctx, action))
             }
@@ -275,15 +295,29 @@ impl Editor {
         }
     }
 
-    /// Begins to draw the picture that was asked for.
-    fn render(&mut self, ctx: &Context) {
-        if self.job.is_some() {
-            self.notices.problem("A picture is being drawn already: wait for it, or cancel it below.");
-            return;
+    /// Asks for a job of a kind.
+    pub(super) fn ask_for_job(&mut self, kind: usize) {
+        if let Some(program) = &self.program {
+            let adapter = &self.viewport.gpu().adapter.name;
+            self.form.begin(program, kind, self.session.path(), adapter);
+            self.dialog = Some(Dialog::Job);
         }
-        let gpu = self.viewport.gpu().clone();
-        let scene = self.document.shared_scene();
-        self.job = Some(StillJob::begin(gpu, scene, self.picture.still(), ctx.clone()));
+    }
+
+    /// Puts the job that was asked for into the queue, with the scene as it is now.
+    fn begin_job(&mut self) {
+        let Some(program) = &self.program else { return };
+        let Some(kind) = self.form.kind(program) else { return };
+        let stem =
+            Path::new(&self.session.name()).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scene = match self.jobs.keep(&self.places.jobs(), &stem, &self.document.file_scene()) {
+            Ok(scene) => scene,
+            Err(error) => return self.notices.problem(error),
+        };
+        let mut words = vec![program.path.display().to_string()];
+        words.extend(self.form.words(kind, &scene.display().to_string()));
+        self.jobs.add(Order { title: kind.title, words, output: self.form.output(), scene });
+        self.warned = false;
     }
 
     /// Looks at all clouds where the first one was just added.

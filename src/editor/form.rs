@@ -39,6 +39,8 @@ pub struct Form<'a> {
     ui: &'a mut Ui,
     /// Where fields can be keyed.
     keying: Option<Keying>,
+    /// Why the next rows do nothing, where that is so.
+    off: Option<&'static str>,
     changed: Option<Change>,
 }
 
@@ -58,7 +60,7 @@ pub struct Change {
 impl<'a> Form<'a> {
     /// Rows at the end of `ui`.
     pub fn new(ui: &'a mut Ui) -> Self {
-        Self { ui, keying: None, changed: None }
+        Self { ui, keying: None, off: None, changed: None }
     }
 
     /// Lets fields be keyed where the document has a timeline; `object` is the path of the cloud or the
@@ -66,6 +68,11 @@ impl<'a> Form<'a> {
     pub fn keyed(mut self, document: &Document, object: &str) -> Self {
         self.keying = Keying::of(document, object);
         self
+    }
+
+    /// Whether the next rows change anything: where they do not they are off, and `why`, a sentence, is their help.
+    pub fn works(&mut self, works: bool, why: &'static str) {
+        self.off = (!works).then_some(why);
     }
 
     /// The field that was changed in this frame.
@@ -119,11 +126,11 @@ impl<'a> Form<'a> {
     /// A vector: three numbers under one another's names.
     pub fn vector(&mut self, path: &'static str, name: &'static str, value: &mut DVec3, default: DVec3) {
         let about = word(path);
-        let help = explained(about, &format!("{}, {}, {}", default.x, default.y, default.z));
+        let help = explained(about, &format!("{}, {}, {}{}", default.x, default.y, default.z, about.unit));
         self.row(path, name, &help, value, default, &VECTOR, |ui, value| {
             three(ui, name, ["X", "Y", "Z"], value.as_mut(), |ui, value| {
                 let speed = speed_at(*value, about);
-                ui.add(number(value, about).speed(speed))
+                ui.add(compact(value, about.unit).range(about.min..=about.max).speed(speed))
             })
         });
     }
@@ -136,9 +143,7 @@ impl<'a> Form<'a> {
             // Adding zero makes -0 a 0.
             let mut turns = [pitch, yaw, roll].map(|turn| (turn.to_degrees() * 1e6).round() / 1e6 + 0.0);
             let response = three(ui, name, ["X", "Y", "Z"], &mut turns, |ui, turn| {
-                ui.add(
-                    DragValue::new(turn).suffix("°").speed(0.5).max_decimals(2).update_while_editing(false),
-                )
+                ui.add(compact(turn, "°").speed(0.5))
             });
             if response.changed() {
                 let [pitch, yaw, roll] = turns.map(f64::to_radians);
@@ -163,7 +168,7 @@ impl<'a> Form<'a> {
                 swatch = Some(response);
             }
             let numbers = three(ui, name, ["R", "G", "B"], value, |ui, value| {
-                ui.add(number(value, about).speed(0.005).max_decimals(3))
+                ui.add(compact(value, about.unit).range(about.min..=about.max).speed(0.005))
             });
             swatch.map_or(numbers.clone(), |swatch| swatch.union(numbers))
         });
@@ -237,6 +242,9 @@ impl<'a> Form<'a> {
     ) {
         let before = value.clone();
         let differs = *value != default;
+        let off = self.off;
+        let told = off.map(|why| format!("Does nothing now. {why}\n\n{help}"));
+        let help = told.as_deref().unwrap_or(help);
         let keys = self.keying.as_ref().and_then(|keying| keying.keys(path, numbers));
         let key_room = if self.keying.is_some() { KEY_WIDTH } else { 0.0 };
         let (id, reset, key) = self
@@ -251,7 +259,10 @@ impl<'a> Form<'a> {
                 let [name_room, room, reset_room] = rooms(row);
                 label(&mut room_in(ui, name_room), name).on_hover_text(help);
                 let mut inside = room_in(ui, room);
-                let response = widget(&mut inside, value).on_hover_text(help);
+                if off.is_some() {
+                    inside.disable();
+                }
+                let response = widget(&mut inside, value).on_hover_text(help).on_disabled_hover_text(help);
                 let reset = differs && reset_button(&mut room_in(ui, reset_room), name);
                 let key = keys.as_ref().is_some_and(|(_, keyed)| key_button(ui, beside, name, *keyed));
                 (response.id, reset, key)
@@ -305,6 +316,29 @@ fn number<'a>(value: &'a mut f64, about: &Word) -> DragValue<'a> {
         .custom_parser(|text| read_number(text, about.unit))
         .max_decimals(3)
         .update_while_editing(false)
+}
+
+/// Letters that one of three numbers beside each other has room for.
+const ROOM: usize = 7;
+
+/// A number that has little room: without its unit, and with as many digits as there is room for. Where
+/// nobody changes its text, it stays as exact as it was.
+fn compact<'a>(value: &'a mut f64, unit: &str) -> DragValue<'a> {
+    let (exact, shown, unit) = (*value, short(*value), unit.to_owned());
+    DragValue::new(value)
+        .custom_formatter(|value, _| short(value))
+        .custom_parser(move |text| if text == shown { Some(exact) } else { read_number(text, &unit) })
+        .update_while_editing(false)
+}
+
+/// `value` in [`ROOM`] letters, where that is possible, and with three decimals at most.
+fn short(value: f64) -> String {
+    let told = |decimals: usize| format!("{value:.decimals$}");
+    let text = (1..=3).rev().map(told).find(|text| text.len() <= ROOM).unwrap_or_else(|| told(0));
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
 }
 
 /// A number as people type it: with its unit or without, with a comma for the point.
@@ -366,6 +400,9 @@ fn three(
     ui.spacing_mut().item_spacing.x = gap;
     ui.spacing_mut().button_padding.x = 3.0;
     ui.spacing_mut().interact_size.x = (ui.available_width() - 2.0 * gap) / 3.0;
+    if values.iter().any(|value| short(*value).len() >= ROOM) {
+        ui.style_mut().drag_value_text_style = egui::TextStyle::Small;
+    }
     let mut all: Option<Response> = None;
     for (axis, value) in axes.iter().zip(values) {
         let response = add(ui, value);
@@ -389,7 +426,23 @@ fn told(value: impl Numeric + std::fmt::Display, unit: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::read_number;
+    use super::{read_number, short};
+
+    #[test]
+    fn numbers_beside_each_other_have_as_many_digits_as_there_is_room_for() {
+        let shown = [
+            (0.0, "0"),
+            (100.0, "100"),
+            (-0.1254, "-0.125"),
+            (2196.34, "2196.34"),
+            (-12345.678, "-12346"),
+            (100234.56, "100235"),
+            (-9_999_999.0, "-9999999"),
+            (106.26, "106.26"),
+            (-106.264, "-106.26"),
+        ];
+        shown.iter().for_each(|(value, text)| assert_eq!(short(*value), *text));
+    }
 
     #[test]
     fn numbers_are_read_as_people_type_them() {

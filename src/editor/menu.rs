@@ -33,8 +33,9 @@ impl Editor {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let text = RichText::new(format!("{} Render", icon::IMAGE)).strong();
                 let button = Button::new(text).fill(ui.visuals().selection.bg_fill).frame(true);
-                if ui.add(button).on_hover_text("Draws the final picture into a file.").clicked() {
-                    self.perform(ui.ctx(), Action::Render);
+                let response = ui.add_enabled(self.can(Action::Job(0)), button);
+                if response.on_hover_text("Draws the final picture into a file.").clicked() {
+                    self.perform(ui.ctx(), Action::Job(0));
                 }
                 self.quick(ui, Action::Redo, icon::ARROW_CLOCKWISE);
                 self.quick(ui, Action::Undo, icon::ARROW_COUNTER_CLOCKWISE);
@@ -54,7 +55,10 @@ impl Editor {
             self.item(ui, action);
         }
         ui.separator();
-        self.item(ui, Action::Render);
+        self.item(ui, Action::Job(0));
+        self.item(ui, Action::Job(1));
+        ui.menu_button("Export", |ui| self.group(ui, "Export"));
+        self.item(ui, Action::ToggleJobs);
         ui.separator();
         let own = &mut self.settings.own_file_window;
         ui.checkbox(own, "Choose files in the editor's own window")
@@ -151,20 +155,19 @@ impl Editor {
         ui.separator();
     }
 
-    /// The bar below: what is selected, what the view does, a picture under way.
+    /// The bar below: what is selected, what the view does, a job under way.
     pub(super) fn status(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.weak(self.selected());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.weak(if self.document.is_dirty() { "changes not saved" } else { "" });
-                if let Some(job) = &self.job {
-                    if ui.small_button("Cancel").clicked() {
-                        job.cancel();
-                    }
-                    let bar = ProgressBar::new(job.share()).desired_width(180.0).show_percentage();
+                if let Some((count, share)) = self.jobs.under_way() {
+                    let bar = ProgressBar::new(share).desired_width(160.0).show_percentage();
                     let response = ui.add(bar);
-                    name_widget(ui, &response, "Picture under way");
-                    ui.weak("Rendering");
+                    name_widget(ui, &response, "Job under way");
+                    if ui.small_button(format!("{count} under way")).clicked() {
+                        self.jobs.is_open ^= true;
+                    }
                 }
             });
         });

@@ -265,6 +265,17 @@ fn free_name(scene: &Scene) -> String {
     names.find(|name| !taken(name)).unwrap_or_default()
 }
 
+/// `name` with a number behind it that no other has, where there is a number behind it.
+fn next_name(list: &[Ellipsoid], name: &str) -> String {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+    if stem == name || stem.is_empty() {
+        return name.to_owned();
+    }
+    let number = |e: &Ellipsoid| e.name.as_deref()?.strip_prefix(stem)?.trim_start().parse::<u64>().ok();
+    let last = list.iter().filter_map(number).max().unwrap_or(1);
+    format!("{stem} {}", last.saturating_add(1))
+}
+
 fn get_mut(scene: &mut Scene, id: EllipsoidId) -> &mut Ellipsoid {
     &mut scene.clouds[id.cloud].ellipsoids[id.ellipsoid]
 }
@@ -273,6 +284,7 @@ fn duplicate_ellipsoid(scene: &mut Scene, id: EllipsoidId, offset: DVec3) -> Ell
     let list = &mut scene.clouds[id.cloud].ellipsoids;
     let mut copy = list[id.ellipsoid].clone();
     (copy.center, copy.locked) = (copy.center + offset, false);
+    copy.name = copy.name.map(|name| next_name(list, &name));
     list.push(copy);
     EllipsoidId { ellipsoid: list.len() - 1, ..id }
 }

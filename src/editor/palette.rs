@@ -128,7 +128,7 @@ mod tests {
         let first = |search: &str| found(search)[0].action;
         assert_eq!(first("undo"), Action::Undo);
         assert_eq!(first("save as"), Action::SaveAs);
-        assert_eq!(first("render"), Action::Render);
+        assert_eq!(first("render p"), Action::Job(0));
         assert_eq!(first("shreds add"), Action::AddPreset(crate::scene::Preset::Fractus));
         assert!(found("no such command").is_empty());
         assert_eq!(found("").len(), entries().len());

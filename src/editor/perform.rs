@@ -31,10 +31,8 @@ impl Editor {
             Action::Save => self.save(ctx, None),
             Action::SaveAs => self.choose(ctx, Purpose::Save, None),
             Action::Revert => self.revert(),
-            Action::Render => {
-                self.picture.suggest(self.session.path());
-                self.dialog = Some(Dialog::Picture);
-            }
+            Action::Job(kind) => self.ask_for_job(kind),
+            Action::ToggleJobs => self.jobs.is_open ^= true,
             Action::Quit => self.ask(ctx, Then::Close),
             Action::Undo => self.document.undo(),
             Action::Redo => self.document.redo(),
@@ -111,6 +109,7 @@ impl Editor {
         match action {
             Action::Undo => document.undo_name().is_some(),
             Action::Redo => document.redo_name().is_some(),
+            Action::Job(_) => self.program.is_some(),
             Action::Revert => self.session.path().is_some() && document.is_dirty(),
             Action::Delete | Action::Duplicate | Action::Hide | Action::Lock => !selection.is_empty(),
             Action::Play | Action::RemoveTimeline => document.scene().timeline.is_some(),

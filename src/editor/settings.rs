@@ -35,6 +35,11 @@ impl Places {
         Ok(Self { settings: places.config_dir().to_owned(), recovery: state.join("recovery") })
     }
 
+    /// Where scenes are kept for jobs.
+    pub fn jobs(&self) -> PathBuf {
+        self.recovery.with_file_name("jobs")
+    }
+
     /// Both in `folder`: for tests.
     pub fn within(folder: &Path) -> Self {
         Self { settings: folder.join("settings"), recovery: folder.join("recovery") }

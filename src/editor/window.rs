@@ -4,7 +4,7 @@ use std::{env, path::PathBuf, sync::Arc};
 
 use eframe::egui::{self, ViewportBuilder, vec2};
 
-use super::{Editor, Options, Places, Settings};
+use super::{Editor, Options, Places, Settings, jobs::Program};
 use crate::{Error, Result, gpu};
 
 /// Size of the window at the first start, points.
@@ -19,11 +19,11 @@ pub fn has_desktop() -> bool {
 }
 
 /// Opens the editor's window, with `scene` in it, on the best adapter or on the one whose name
-/// contains `adapter`; returns when it is closed.
+/// contains `adapter`; returns when it is closed. `program` does jobs beside the work.
 ///
 /// # Errors
 /// [`Error::Argument`] where there is no desktop, [`Error::Adapter`] where there is no adapter.
-pub fn run(scene: Option<PathBuf>, adapter: Option<String>) -> Result<()> {
+pub fn run(scene: Option<PathBuf>, adapter: Option<String>, program: Option<Program>) -> Result<()> {
     if !has_desktop() {
         return Err(Error::Argument(
             "there is no desktop to open a window on: start this where DISPLAY or WAYLAND_DISPLAY is set; \
@@ -41,7 +41,7 @@ pub fn run(scene: Option<PathBuf>, adapter: Option<String>) -> Result<()> {
         persist_window: false,
         ..Default::default()
     };
-    let options = Options::new(scene, places);
+    let options = Options { program, ..Options::new(scene, places) };
     let start =
         move |creation: &eframe::CreationContext<'_>| -> std::result::Result<Box<dyn eframe::App>, _> {
             let state = creation.wgpu_render_state.as_ref().ok_or("the window has no graphics device")?;

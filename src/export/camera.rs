@@ -5,15 +5,12 @@ use std::{borrow::Cow, io, path::Path};
 use gltf::binary::{Glb, Header};
 use serde_json::{Value, json};
 
+use super::header::{FAR, NEAR};
 use crate::{
     Error, Result,
     files::write_whole,
     scene::{Camera, Projection},
 };
-
-/// Distances of the planes that other programs cut pictures at, m.
-const NEAR: f64 = 0.1;
-const FAR: f64 = 200_000.0;
 
 /// Writes `camera` for pictures of `aspect`, width over height: .glb where the name ends in that, else
 /// .gltf. glTF has metres, Y up and -Z forward, as scenes have.

@@ -10,7 +10,7 @@ use exr::{
 
 use super::{
     Notes, Picture,
-    exr::{channels, write_channels},
+    exr::{Attributes, channels, write_channels},
 };
 use crate::{Error, Result, reference::Estimate, scene::Scene};
 
@@ -57,12 +57,12 @@ pub fn write_estimate_noted(
     for (c, name) in ERROR.into_iter().enumerate() {
         list.push((name.to_owned(), estimate.error.iter().map(|error| error[c]).collect()));
     }
-    let mut attributes = notes.attributes();
+    let mut attributes = Attributes::new();
     attributes.insert(SAMPLES.into(), AttributeValue::I32(estimate.samples as i32));
     if let Some(text) = Text::new_or_none(ascii(&scene.to_json())) {
         attributes.insert(SCENE.into(), AttributeValue::Text(text));
     }
-    write_channels(path, picture, &list, attributes)
+    write_channels(path, picture, list, notes, attributes)
 }
 
 /// Reads what [`write_estimate`] wrote.

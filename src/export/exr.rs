@@ -8,7 +8,7 @@ use exr::{
 };
 use half::f16;
 
-use super::{Notes, Picture};
+use super::{ColorSpace, Notes, Picture};
 use crate::{
     Result,
     files::write_whole,
@@ -29,7 +29,7 @@ pub fn write_beauty(path: &Path, picture: &Picture) -> Result<()> {
 /// # Errors
 /// [`crate::Error::File`] when the file can't be written.
 pub fn write_beauty_noted(path: &Path, picture: &Picture, notes: &Notes) -> Result<()> {
-    write_channels(path, picture, &channels("", picture), notes.attributes())
+    write_channels(path, picture, channels("", picture), notes, Attributes::new())
 }
 
 /// Writes the beauty and the layers that it is the sum of:
@@ -81,7 +81,7 @@ pub fn write_layers_noted(
     for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
         list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
     }
-    write_channels(path, sky, &list, notes.attributes())
+    write_channels(path, sky, list, notes, Attributes::new())
 }
 
 /// Writes channels by their names, such as `Y` or `depth.Z`, row by row from the top: half floats, or
@@ -90,7 +90,8 @@ pub fn write_layers_noted(
 /// # Errors
 /// [`crate::Error::File`] when the file can't be written.
 pub fn write_named(path: &Path, [width, height]: [usize; 2], list: &[(String, Vec<f32>)]) -> Result<()> {
-    write_channels(path, &Picture { width, height, pixels: Vec::new() }, list, Attributes::new())
+    let size = Picture { width, height, pixels: Vec::new() };
+    write_channels(path, &size, list.to_vec(), &Notes::default(), Attributes::new())
 }
 
 /// Distance in metres; a cloud that hides less than a thousandth is none.
@@ -159,13 +160,33 @@ pub(super) type Attributes = HashMap<openexr::Text, AttributeValue>;
 /// Layers that half floats can't hold: depths, and what is added to later.
 const FLOATS: [&str; 3] = ["depth.", "cloud.", "error."];
 
-/// Colours as half floats where these hold them, [`FLOATS`] as floats.
+/// Puts the colours of all layers but [`FLOATS`] into another space.
+fn put_into(color: ColorSpace, list: &mut [(String, Vec<f32>)]) {
+    let layer_of = |name: &str| name.strip_suffix('R').map(str::to_owned);
+    let layers: Vec<String> = list.iter().filter_map(|(name, _)| layer_of(name)).collect();
+    for layer in layers.iter().filter(|layer| !FLOATS.contains(&layer.as_str())) {
+        let place = |c: &str| list.iter().position(|(name, _)| *name == format!("{layer}{c}"));
+        let (Some(r), Some(g), Some(b)) = (place("R"), place("G"), place("B")) else { continue };
+        for i in 0..list[r].1.len() {
+            let [x, y, z] = color.from_scene([list[r].1[i], list[g].1[i], list[b].1[i]]);
+            (list[r].1[i], list[g].1[i], list[b].1[i]) = (x, y, z);
+        }
+    }
+}
+
+/// Colours as half floats where these hold them, [`FLOATS`] as floats; with what there is to tell, and `more`.
 pub(super) fn write_channels(
     path: &Path,
     size: &Picture,
-    list: &[(String, Vec<f32>)],
-    attributes: Attributes,
+    mut list: Vec<(String, Vec<f32>)>,
+    notes: &Notes,
+    more: Attributes,
 ) -> Result<()> {
+    if let Some(color @ ColorSpace::AcesCg) = notes.header.color {
+        put_into(color, &mut list);
+    }
+    let mut attributes = notes.attributes();
+    attributes.extend(more);
     let is_float = |name: &str| FLOATS.iter().any(|layer| name.starts_with(layer));
     let is_light = |name: &str| name.ends_with(['R', 'G', 'B']) && !is_float(name);
     let light = list.iter().filter(|(name, _)| is_light(name)).flat_map(|(_, values)| values);
@@ -178,13 +199,14 @@ pub(super) fn write_channels(
         };
         openexr::AnyChannel::new(name.as_str(), samples)
     });
-    let layer = openexr::Layer::new(
-        (size.width, size.height),
-        openexr::LayerAttributes { other: attributes, ..openexr::LayerAttributes::named("nephos") },
-        openexr::Encoding::SMALL_LOSSLESS,
-        openexr::AnyChannels::sort(channels.collect()),
-    );
-    let image = openexr::Image::from_layer(layer);
+    let mut about =
+        openexr::LayerAttributes { other: attributes, ..openexr::LayerAttributes::named("nephos") };
+    let size = (size.width, size.height);
+    let mut of_image = openexr::ImageAttributes::with_size(size);
+    notes.header.put_into(&mut about, &mut of_image);
+    let channels = openexr::AnyChannels::sort(channels.collect());
+    let layer = openexr::Layer::new(size, about, openexr::Encoding::SMALL_LOSSLESS, channels);
+    let image = openexr::Image::new(of_image, layer);
     write_whole(path, |file| {
         image.write().to_buffered(file).map_err(|error| match error {
             openexr::Error::Io(error) => error,

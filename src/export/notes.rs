@@ -4,16 +4,22 @@ use std::{fs::File, io::BufReader, path::Path};
 
 use exr::{meta::attribute::AttributeValue, prelude as openexr};
 
+use super::Header;
 use crate::{Error, Result};
 
-/// Names and texts, ASCII: text chunks of PNG files, attributes of EXR files.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Notes(pub Vec<(String, String)>);
+/// What a file tells beside its pixels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Notes {
+    /// Names and texts, ASCII: text chunks of PNG files, attributes of EXR files.
+    pub texts: Vec<(String, String)>,
+    /// What EXR files say of the picture.
+    pub header: Header,
+}
 
 impl Notes {
     /// The text called `name`.
     pub fn get(&self, name: &str) -> Option<&str> {
-        self.0.iter().find(|(own, _)| own == name).map(|(_, text)| text.as_str())
+        self.texts.iter().find(|(own, _)| own == name).map(|(_, text)| text.as_str())
     }
 
     /// Reads those of a PNG or EXR file, and all of its pixels: who has the notes knows that the
@@ -32,7 +38,7 @@ impl Notes {
 
     pub(super) fn attributes(&self) -> super::exr::Attributes {
         let text = |text: &String| openexr::Text::new_or_none(text).map(AttributeValue::Text);
-        self.0.iter().filter_map(|(name, value)| Some((name.as_str().into(), text(value)?))).collect()
+        self.texts.iter().filter_map(|(name, value)| Some((name.as_str().into(), text(value)?))).collect()
     }
 }
 
@@ -43,9 +49,8 @@ fn of_exr(path: &Path) -> std::result::Result<Notes, String> {
         AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
     };
-    Ok(Notes(
-        attributes.into_iter().filter_map(|(name, value)| Some((name.to_string(), text(value)?))).collect(),
-    ))
+    let texts = attributes.into_iter().filter_map(|(name, value)| Some((name.to_string(), text(value)?)));
+    Ok(Notes { texts: texts.collect(), header: Header::default() })
 }
 
 fn of_png(path: &Path) -> std::result::Result<Notes, String> {
@@ -55,7 +60,8 @@ fn of_png(path: &Path) -> std::result::Result<Notes, String> {
     while reader.next_row().map_err(|error| error.to_string())?.is_some() {}
     reader.finish().map_err(|error| error.to_string())?;
     let texts = &reader.info().uncompressed_latin1_text;
-    Ok(Notes(texts.iter().map(|chunk| (chunk.keyword.clone(), chunk.text.clone())).collect()))
+    let texts = texts.iter().map(|chunk| (chunk.keyword.clone(), chunk.text.clone())).collect();
+    Ok(Notes { texts, header: Header::default() })
 }
 
 #[cfg(test)]
@@ -66,7 +72,10 @@ mod tests {
     #[test]
     fn notes_come_back_from_whole_files_alone() {
         let folder = tempfile::tempdir().unwrap();
-        let notes = Notes(vec![("nephos.frame".to_owned(), "0123abc".to_owned())]);
+        let notes = Notes {
+            texts: vec![("nephos.frame".to_owned(), "0123abc".to_owned())],
+            header: Header::default(),
+        };
         let [png, exr] = ["a.png", "a.exr"].map(|name| folder.path().join(name));
         write_png_noted(&png, [7, 5], &[9; 140], false, &notes).unwrap();
         write_beauty_noted(&exr, &Picture { width: 7, height: 5, pixels: vec![[0.5; 4]; 35] }, &notes)

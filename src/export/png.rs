@@ -53,7 +53,7 @@ fn write(
         let mut encoder = png::Encoder::new(file, width, height);
         encoder.set_color(color);
         encoder.set_depth(depth);
-        for (name, text) in &notes.0 {
+        for (name, text) in &notes.texts {
             encoder.add_text_chunk(name.clone(), text.clone()).map_err(io::Error::other)?;
         }
         let mut writer = encoder.write_header().map_err(plain)?;

@@ -27,7 +27,7 @@ mod vol;
 mod volume;
 
 #[cfg(feature = "import")]
-pub use camera::read_camera;
+pub use camera::{MovingCamera, read_camera};
 #[cfg(feature = "import")]
 pub use fill::{Filled, fill};
 pub(crate) use grid::voxel;

@@ -14,9 +14,9 @@
 use glam::DVec3;
 
 use super::life::{self, smooth};
-use super::timeline::{self, Curve, Owner, Place};
+use super::timeline::{self, Curve, Interpolation, Key, Owner, Place, Track};
 use super::validate::At;
-use super::{Camera, Cloud, Ellipsoid, Evaporation, Noise, Scene};
+use super::{Camera, Cloud, Ellipsoid, Evaporation, Noise, Scene, Timeline};
 use crate::Result;
 
 impl Scene {
@@ -85,6 +85,35 @@ impl Scene {
         scene
     }
 
+    /// The same scene seen by a camera that is where `at` says at each time, in seconds, until `length`: tracks of
+    /// the camera have a key a frame, `fps` a second. A scene without a timeline gets one as long as that.
+    ///
+    /// # Errors
+    /// Where the camera goes where none may be.
+    pub fn seen_over_time(&self, fps: f64, length: f64, at: impl Fn(f64) -> Camera) -> Result<Self> {
+        let mut scene = self.seen_by(at(0.0));
+        let own = Timeline { length: (length * fps).round().max(1.0) / fps, fps, ..Timeline::default() };
+        let timeline = scene.timeline.get_or_insert(own);
+        // The end of a loop is its beginning.
+        let frames = i64::from(timeline.frames()) + i64::from(!timeline.looped);
+        let times = (0..frames).map(|index| timeline.time_of(index)).filter(|time| *time <= timeline.length);
+        let keys: Vec<_> = times.map(|time| (time, at(time))).collect();
+        let mut follow = |path: String, number: &dyn Fn(&Camera) -> f64| {
+            let key = |(time, camera): &(f64, Camera)| Key {
+                interpolation: Interpolation::Linear,
+                ..Key::new(*time, number(camera))
+            };
+            timeline.tracks.push(Track { path, keys: keys.iter().map(key).collect() });
+        };
+        for axis in 0..3 {
+            follow(format!("camera.position[{axis}]"), &|camera| camera.position[axis]);
+            follow(format!("camera.target[{axis}]"), &|camera| camera.target[axis]);
+        }
+        follow("camera.roll_deg".to_owned(), &|camera| camera.roll_deg);
+        scene.validate()?;
+        Ok(scene)
+    }
+
     /// How far the wind has carried a cloud without a life at the scene's own time, m. In a loop
     /// that is no more than what the wind brings back within a period.
     pub fn drift(&self) -> DVec3 {
@@ -99,7 +128,7 @@ impl Scene {
     }
 
     pub(super) fn period(&self) -> Option<f64> {
-        self.timeline.as_ref().and_then(super::Timeline::period)
+        self.timeline.as_ref().and_then(Timeline::period)
     }
 
     /// Noises as far as their rates have brought them at the scene's own time.

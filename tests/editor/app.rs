@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use crate::desk::{Window, open, open_sized, shoot, wait};
 use eframe::egui::{self, Event, Key, Modifiers, PointerButton, Pos2, Rect, accesskit::Role, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec3;
 use nephos::{
     editor::{
@@ -40,6 +40,17 @@ fn enter(window: &mut Window<'_>, label: &str, text: &str) {
     window.event(Event::Text(text.to_owned()));
     window.run_steps(2);
     press(window, Modifiers::NONE, Key::Enter);
+}
+
+/// Types `text` into the line `label`.
+fn fill(window: &mut Window<'_>, label: &str, text: &str) {
+    window.get_by_role_and_label(Role::TextInput, label).scroll_to_me();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::TextInput, label).focus();
+    window.run_steps(2);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.event(Event::Text(text.to_owned()));
+    window.run_steps(3);
 }
 
 fn perform(window: &mut Window<'_>, action: Action) {
@@ -250,7 +261,7 @@ fn a_volume_that_is_dropped_is_added_with_its_numbers_and_stays() {
     enter(&mut window, "Extinction at 1", "0.25");
     assert_eq!(added(&window).extinction, 0.25);
     assert!(added(&window).read_grid().is_some());
-    wait(&mut window, "the picture", |desk| !desk.editor().is_rendering());
+    window.run_steps(4);
     shoot(&mut window, "volume");
     press(&mut window, Modifiers::COMMAND, Key::S);
     assert!(!dirty(&mut window), "{}", told(&mut window));
@@ -594,14 +605,14 @@ fn the_final_picture_is_the_one_of_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Sphere);
     let mut window = open(folder.path(), Some(&path));
-    perform(&mut window, Action::Render);
-    enter(&mut window, "Width", "48");
-    enter(&mut window, "Height", "27");
+    perform(&mut window, Action::Job(0));
+    fill(&mut window, "Width", "48");
+    fill(&mut window, "Height", "27");
     shoot(&mut window, "editor_picture");
-    let dialog = window.get_all_by_label_contains("Render").last().unwrap();
-    dialog.click();
-    window.run_steps(3);
-    wait(&mut window, "the picture", |desk| !desk.editor().is_rendering());
+    click(&mut window, "Begin");
+    assert!(window.state_mut().editor().has_jobs());
+    wait(&mut window, "the picture", |desk| !desk.editor().has_jobs());
+    shoot(&mut window, "editor_jobs");
     assert!(told(&mut window).contains("scene.png"), "{}", told(&mut window));
     let adapter = window.state_mut().editor().viewport_mut().gpu().adapter.name.clone();
     let (there, expected) = (folder.path().join("scene.png"), folder.path().join("cli.png"));
@@ -617,13 +628,49 @@ fn a_cancelled_picture_is_not_written() {
     let path = scene_file(folder.path(), Preset::Sphere);
     let mut window = open(folder.path(), Some(&path));
     press(&mut window, Modifiers::NONE, Key::F12);
-    window.get_all_by_label_contains("Render").last().unwrap().click();
-    window.run_steps(3);
-    assert!(window.state_mut().editor().is_rendering());
-    click(&mut window, "Cancel");
-    wait(&mut window, "the end of it", |desk| !desk.editor().is_rendering());
+    // Far more than is drawn before it is paused.
+    fill(&mut window, "Width", "1200");
+    fill(&mut window, "Height", "1200");
+    click(&mut window, "Begin");
+    wait(&mut window, "the program", |desk| {
+        desk.editor().jobs_mut().under_way().is_some_and(|(_, share)| share > 0.0)
+    });
+    click(&mut window, "Pause scene.png");
+    window.get_by_label("Resume scene.png");
+    click(&mut window, "Resume scene.png");
+    click(&mut window, "Cancel scene.png");
+    wait(&mut window, "the end of it", |desk| !desk.editor().has_jobs());
     assert!(told(&mut window).contains("cancelled"), "{}", told(&mut window));
     assert!(!folder.path().join("scene.png").exists());
+    click(&mut window, "Remove scene.png");
+    assert!(window.query_by_label("Remove scene.png").is_none());
+}
+
+#[test]
+fn a_job_that_fails_tells_why_in_a_sentence_and_the_next_one_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Sphere);
+    let mut window = open(folder.path(), Some(&path));
+    // A scene without a timeline has no length.
+    perform(&mut window, Action::Job(1));
+    click(&mut window, "Begin");
+    perform(&mut window, Action::Job(8));
+    click(&mut window, "Begin");
+    wait(&mut window, "the end of both", |desk| !desk.editor().has_jobs());
+    assert!(told(&mut window).contains("say which frames, such as --frames 1-240"), "{}", told(&mut window));
+    assert!(folder.path().join("scene.glb").exists());
+    shoot(&mut window, "editor_jobs_failed");
+}
+
+#[test]
+fn words_that_the_command_line_refuses_are_told_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Sphere);
+    let mut window = open(folder.path(), Some(&path));
+    perform(&mut window, Action::Job(0));
+    fill(&mut window, "Width", "0");
+    assert!(window.query_by_label_contains("invalid value '0' for '--width").is_some());
+    assert!(window.get_by_label("Begin").accesskit_node().is_disabled());
 }
 
 // --- The whole ------------------------------------------------------------------------

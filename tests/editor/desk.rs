@@ -8,7 +8,7 @@ use egui_kittest::{
     wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup},
 };
 use nephos::{
-    editor::{Editor, Options, Places},
+    editor::{Editor, Options, Places, jobs::Program},
     scene::Scene,
 };
 
@@ -57,6 +57,9 @@ pub fn open_sized(folder: &Path, scene: Option<&Path>, size: Vec2, scale: f32) -
     let state = create_render_state(default_wgpu_setup(), egui_wgpu::RendererOptions::PREDICTABLE);
     let mut options = Options::new(scene.map(Path::to_owned), Places::within(folder));
     options.keep_after = Duration::ZERO;
+    // The program that was built, not this test.
+    options.program = nephos::cli::program()
+        .map(|program| Program { path: env!("CARGO_BIN_EXE_nephos").into(), ..program });
     let desk = Desk { editor: None, state: state.clone(), options };
     let mut window = Harness::builder()
         .with_size(size)
@@ -69,7 +72,7 @@ pub fn open_sized(folder: &Path, scene: Option<&Path>, size: Vec2, scale: f32) -
 
 /// Steps until `done`.
 pub fn wait(window: &mut Window<'_>, what: &str, done: impl FnMut(&mut Desk) -> bool) {
-    patience::wait(window, what, |desk| desk.editor().is_rendering(), done);
+    patience::wait(window, what, |desk| desk.editor().has_jobs(), done);
 }
 
 /// Writes what is seen, for people.

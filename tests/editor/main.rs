@@ -4,6 +4,7 @@
 mod app;
 mod desk;
 mod document;
+mod inputs;
 mod patience;
 mod timeline;
 mod viewport;

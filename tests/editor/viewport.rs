@@ -61,7 +61,7 @@ fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
     let edited = window.state().viewport.statistics().clone();
     assert!(edited.light_updates - rested.light_updates > rested.light_updates - before.light_updates);
     window.state_mut().document.edit("Expose", |scene| scene.exposure = 1.0);
-    window.step();
+    rest(&mut window);
     assert_eq!(window.state().viewport.statistics().pictures, edited.pictures);
 }
 
@@ -81,8 +81,7 @@ fn the_picture_is_exposed_when_the_hand_rests_and_holds_still_while_it_moves() {
     assert!((after - before - 3.0).abs() < 0.01, "{before} {after}");
     // Its switch is followed at once, and back again.
     window.state_mut().document.edit("Switch", |scene| scene.auto_exposure = Some(false));
-    window.step();
-    assert_eq!(window.state().viewport.metered(), None);
+    rest_until(&mut window, |app| app.viewport.metered().is_none());
     window.state_mut().document.edit("Switch", |scene| scene.auto_exposure = Some(true));
     window.step();
     rest_until(&mut window, |app| app.viewport.metered() == Some(after));

@@ -5,6 +5,7 @@ mod cli;
 mod cli_export;
 mod editor_window;
 mod faults;
+mod headers;
 mod places;
 #[path = "../common/readers.rs"]
 #[allow(dead_code, reason = "each binary of tests has its own readers")]

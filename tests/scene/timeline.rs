@@ -204,6 +204,7 @@ fn paths_by_name_follow_their_object_and_numbers_their_place() {
     let mut scene = heap();
     scene.clouds.push(scene.clouds[0].clone());
     scene.clouds[1].name = "it's [\\odd]".to_owned();
+    scene.clouds[1].ellipsoids[1].name = None;
     scene.clouds[1].ellipsoids[3].name = Some("top".to_owned());
     let path = owner_path(Owner::Ellipsoid(1, 3), &scene) + ".center[1]";
     assert_eq!(path, "clouds['it\\'s [\\\\odd]'].ellipsoids['top'].center[1]");

@@ -11,7 +11,7 @@ const MAKE: &str = "fn make(x: array<vec4f, 8>) -> Volume {
     levels[0] = vec4u(5u, 4u, 3u, 0u);
     levels[1] = vec4u(3u, 2u, 2u, 60u);
     levels[2] = vec4u(2u, 1u, 1u, 72u);
-    return Volume(x[0], x[1], x[2], vec3f(0.01, 0.02, 0.04), 0.05, vec2u(3u, 2u), 20.0, 3u, levels);
+    return Volume(x[0], x[1], x[2], vec3f(0.01, 0.02, 0.04), 0.05, vec2u(3u, 2u), 20.0, 3u, 60.0, 0.0, 0.0, 0.0, levels);
 }";
 
 /// Rows of the map to bricks, and a point or a direction.
@@ -89,12 +89,12 @@ fn places() -> Vec<Twin> {
             x
         }),
         Twin::new("volume_level", "volume", "return vec4f(f32(volume_level(make(x), x[0].x)));", |x| {
-            // Voxels of 20 m, of 40 and of 80.
-            one([40.0, 80.0].iter().filter(|voxel| x[0][0] >= **voxel).count() as f64)
+            // Voxels that are up to 60 m long, 120 and 240.
+            one([120.0, 240.0].iter().filter(|voxel| x[0][0] >= **voxel).count() as f64)
         })
         .declaring(MAKE)
         .exact()
-        .edges(line(&[0.0, 1.0, 20.0, 39.9, 40.1, 79.9, 80.1, 161.0, 1e9])),
+        .edges(line(&[0.0, 1.0, 20.0, 60.0, 119.9, 120.1, 239.9, 240.1, 481.0, 1e9])),
         Twin::new("volume_scale", "volume", "return vec4f(volume_scale(u32(x[0].x)));", |x| {
             one(0.5_f64.powi(x[0][0] as i32))
         })

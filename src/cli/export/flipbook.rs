@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{
-    super::terminal,
+    super::{camera::CameraOption, terminal},
     shares,
     sprite::{Frames, Sprite},
 };
@@ -24,6 +24,8 @@ pub struct Flipbook {
     sprite: Sprite,
     #[command(flatten)]
     course: Frames,
+    #[command(flatten)]
+    camera: CameraOption,
     /// Frames of the atlas.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=1024))]
     frames: u32,
@@ -36,7 +38,7 @@ impl Flipbook {
         let output = self.sprite.output.clone();
         let files =
             if self.course.turns == 0 { vec![output] } else { vec![output, self.sprite.named("motion")] };
-        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)], &files)?;
+        let mut stage = self.sprite.stage(&self.camera, [columns, self.frames.div_ceil(columns)], &files)?;
         let to_eye = stage.subject.to_camera();
         let course = self.course.course(&stage.scene);
         let turn = course.turn(self.frames);

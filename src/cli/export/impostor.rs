@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::{
-    super::terminal,
+    super::{camera::CameraOption, terminal},
     shares,
     sprite::{Sprite, size},
 };
@@ -43,7 +43,7 @@ enum From {
 impl Impostor {
     pub(super) fn run(self) -> Result<()> {
         let files = [self.sprite.output.clone(), self.sprite.named("normal"), self.sprite.named("depth")];
-        let mut stage = self.sprite.stage([self.views; 2], &files)?;
+        let mut stage = self.sprite.stage(&CameraOption::default(), [self.views; 2], &files)?;
         let around = match self.from {
             From::Sphere => Around::Sphere,
             From::Above => Around::Above,

@@ -83,9 +83,9 @@ impl Source {
 
 /// Does work that tells the share done, under a bar.
 fn shares<T>(message: &'static str, work: impl FnOnce(&mut dyn FnMut(f64)) -> Result<T>) -> Result<T> {
-    let bar = terminal::progress(message);
-    let done = work(&mut |share| bar.set_position((1000.0 * share) as u64));
-    bar.finish_and_clear();
+    let bar = terminal::share(message);
+    let done = work(&mut |share| bar.set(share));
+    bar.finish();
     done
 }
 

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{
-    super::{numbers::above_zero, terminal},
+    super::{camera::CameraOption, numbers::above_zero, terminal},
     shares,
     sprite::{Frames, Sprite},
 };
@@ -27,6 +27,8 @@ pub struct Sixway {
     sprite: Sprite,
     #[command(flatten)]
     course: Frames,
+    #[command(flatten)]
+    camera: CameraOption,
     /// Frames of a flip-book; 1 is a single sprite.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     frames: u32,
@@ -38,10 +40,11 @@ pub struct Sixway {
 impl Sixway {
     pub(super) fn run(self) -> Result<()> {
         self.sprite.tone.refuse_for("a light map")?;
+        self.sprite.light.refuse_for("a light map")?;
         self.course.check(self.frames)?;
         let columns = self.course.columns(self.frames);
         let files = ["positive", "negative"].map(|map| self.sprite.named(map));
-        let mut stage = self.sprite.stage([columns, self.frames.div_ceil(columns)], &files)?;
+        let mut stage = self.sprite.stage(&self.camera, [columns, self.frames.div_ceil(columns)], &files)?;
         let to_eye = stage.subject.to_camera();
         let course = self.course.course(&stage.scene);
         let (positive, negative) = shares("rendering", |progress| {

@@ -6,7 +6,9 @@ use clap::{Args, ValueEnum};
 
 use super::{
     super::{
-        picture::word,
+        camera::CameraOption,
+        light::LightOptions,
+        picture::{QualityName, word},
         terminal,
         tone::{ToneOptions, told},
     },
@@ -15,8 +17,8 @@ use super::{
 use crate::{
     Error, Result,
     export::{
-        FACES, Picture, Studio, cube_faces, equirectangular, meter_around, write_beauty, write_hdr,
-        write_ktx2, write_png,
+        FACES, Notes, Picture, Studio, cube_faces, equirectangular, meter_around, write_beauty_noted,
+        write_hdr, write_ktx2, write_png,
     },
     files::check_place,
     scene::{Scene, Tone},
@@ -33,7 +35,11 @@ pub struct Sky {
     #[command(flatten)]
     source: Source,
     #[command(flatten)]
+    camera: CameraOption,
+    #[command(flatten)]
     tone: ToneOptions,
+    #[command(flatten)]
+    light: LightOptions,
     /// Map to write: .exr and .hdr hold linear light, .png is tone-mapped, .ktx2 is a cube map in BC6H
     /// with mip levels that GPUs take as it is.
     #[arg(short, long, value_name = "FILE")]
@@ -42,6 +48,9 @@ pub struct Sky {
     /// of a cube.
     #[arg(long, value_enum)]
     layout: Option<Layout>,
+    /// How much work to put in: final where left out.
+    #[arg(long, value_enum)]
+    quality: Option<QualityName>,
     /// Height of the map, pixels: a face's edge for cubes. 1024 for equirectangular maps, 512 for cubes.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(4..=4096))]
     size: Option<u32>,
@@ -61,16 +70,21 @@ impl Sky {
     pub(super) fn run(self) -> Result<()> {
         let kind = ending(&self.output, &["exr", "hdr", "png", "ktx2"])?;
         let layout = self.layout(kind)?;
+        if kind != "exr" {
+            self.light.refuse_for(&format!("a .{kind} file"))?;
+        }
         if kind != "png" {
             self.tone.refuse_for(&format!("a .{kind} file"))?;
         }
         self.files(kind, layout).iter().try_for_each(|file| check_place(file))?;
-        let scene = self.source.scene()?;
+        let scene = self.camera.see(self.source.scene()?)?;
         let mut studio = Studio::new(&self.source.gpu()?, 2, true);
+        studio.renderer().settings.quality = self.quality.unwrap_or(QualityName::Final).quality();
         let tone = self.exposed(kind, &mut studio, &scene)?;
+        let notes = self.light.notes();
         if layout == Layout::Equirectangular {
             let map = equirectangular(&mut studio, &scene, self.size.unwrap_or(1024))?;
-            return write(&self.output, kind, &mut studio, tone, &map);
+            return write(&self.output, kind, &mut studio, (tone, &notes), &map);
         }
         let size = self.size.unwrap_or(512);
         if kind == "ktx2" && !size.is_multiple_of(4) {
@@ -79,12 +93,14 @@ impl Sky {
         let faces = shares("rendering", |progress| cube_faces(&mut studio, &scene, size, progress))?;
         match layout {
             _ if kind == "ktx2" => write_ktx2(&self.output, &faces),
-            Layout::Strip => write(&self.output, kind, &mut studio, tone, &Picture::in_rows(&faces, 6)),
+            Layout::Strip => {
+                write(&self.output, kind, &mut studio, (tone, &notes), &Picture::in_rows(&faces, 6))
+            }
             _ => self
                 .files(kind, layout)
                 .iter()
                 .zip(&faces)
-                .try_for_each(|(file, face)| write(file, kind, &mut studio, tone, face)),
+                .try_for_each(|(file, face)| write(file, kind, &mut studio, (tone, &notes), face)),
         }
     }
 
@@ -122,9 +138,15 @@ impl Sky {
     }
 }
 
-fn write(path: &Path, kind: &str, studio: &mut Studio, tone: Tone, picture: &Picture) -> Result<()> {
+fn write(
+    path: &Path,
+    kind: &str,
+    studio: &mut Studio,
+    (tone, notes): (Tone, &Notes),
+    picture: &Picture,
+) -> Result<()> {
     match kind {
-        "exr" => write_beauty(path, picture),
+        "exr" => write_beauty_noted(path, picture, notes),
         "hdr" => write_hdr(path, picture),
         _ => {
             let gpu = studio.gpu().clone();

@@ -6,14 +6,19 @@ use clap::Args;
 
 use super::{
     super::{
+        camera::CameraOption,
+        light::LightOptions,
         numbers::{above_zero, at_least_zero},
+        picture::QualityName,
         tone::{ToneOptions, told},
     },
     Source, ending,
 };
 use crate::{
     Error, Result,
-    export::{Course, Picture, Studio, Subject, atlas, bled, write_beauty, write_png},
+    export::{
+        Course, Notes, Picture, Studio, Subject, atlas, bled, write_beauty, write_beauty_noted, write_png,
+    },
     files::check_place,
     render::{Film, metered_alone},
     scene::Scene,
@@ -26,12 +31,17 @@ pub(super) struct Sprite {
     source: Source,
     #[command(flatten)]
     pub tone: ToneOptions,
+    #[command(flatten)]
+    pub light: LightOptions,
     /// File to write, .png or .exr; further maps of it have its name and an underscore.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Name or number, from 0, of the cloud; all clouds where left out.
     #[arg(long, value_name = "NAME")]
     cloud: Option<String>,
+    /// How much work to put in: final where left out.
+    #[arg(long, value_enum)]
+    quality: Option<QualityName>,
     /// Edge of a tile, pixels.
     #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(8..=4096))]
     pub tile: u32,
@@ -61,16 +71,18 @@ pub(super) struct Stage {
     pub kind: &'static str,
     pub scene: Scene,
     tone: ToneOptions,
+    notes: Notes,
     pub subject: Subject,
     pub studio: Studio,
 }
 
 impl Sprite {
     /// Opens all that is needed for an atlas of `columns` by `rows` tiles, to be written into `files`.
-    pub fn stage(&self, [columns, rows]: [u32; 2], files: &[PathBuf]) -> Result<Stage> {
+    pub fn stage(&self, seen: &CameraOption, [columns, rows]: [u32; 2], files: &[PathBuf]) -> Result<Stage> {
         let kind = ending(&self.output, &["png", "exr"])?;
-        if kind == "exr" {
-            self.tone.refuse_for("EXR")?;
+        match kind {
+            "exr" => self.tone.refuse_for("EXR")?,
+            _ => self.light.refuse_for("PNG")?,
         }
         let edge = self.tile * columns.max(rows);
         if edge > Film::WIDEST {
@@ -82,10 +94,11 @@ impl Sprite {
             )));
         }
         files.iter().try_for_each(|file| check_place(file))?;
-        let scene = self.source.scene()?;
+        let scene = seen.see(self.source.scene()?)?;
         let subject = Subject::new(&scene, self.cloud.as_deref())?;
-        let studio = Studio::new(&self.source.gpu()?, 2, false);
-        Ok(Stage { kind, subject, studio, scene, tone: self.tone.clone() })
+        let mut studio = Studio::new(&self.source.gpu()?, 2, false);
+        studio.renderer().settings.quality = self.quality.unwrap_or(QualityName::Final).quality();
+        Ok(Stage { kind, subject, studio, scene, tone: self.tone.clone(), notes: self.light.notes() })
     }
 
     /// The output's name with `map` behind it.
@@ -135,7 +148,7 @@ impl Stage {
     /// Writes light: tone-mapped where the file is a PNG, and exposed by all tiles together. Tells how.
     pub fn write_light(&mut self, path: &Path, picture: &Picture) -> Result<String> {
         if self.kind == "exr" {
-            return write_beauty(path, picture).map(|()| String::new());
+            return write_beauty_noted(path, picture, &self.notes).map(|()| String::new());
         }
         let metered = self.tone.is_metered(&self.scene).then(|| metered_alone(picture));
         let gpu = self.studio.gpu().clone();

@@ -25,13 +25,14 @@ use self::{
     stamp::Stamp,
 };
 use super::{
+    camera::CameraOption,
     picture::{Format, Job, Painter, PictureOptions},
     stopped, terminal,
     tone::told,
 };
 use crate::{
     Error, Result,
-    export::{self, Notes},
+    export::{self, Header, Notes},
     files::{check_place, write_whole},
     gpu,
     scene::{Scene, Timeline},
@@ -64,6 +65,8 @@ pub struct Sequence {
     shard: Option<Shard>,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    camera: CameraOption,
     /// Write what is told as JSON.
     #[arg(long)]
     json: bool,
@@ -97,6 +100,7 @@ struct Brush {
 #[derive(Debug, Clone)]
 struct Still {
     number: i32,
+    fps: f64,
     time: f64,
     stamp: Stamp,
 }
@@ -110,6 +114,7 @@ impl Sequence {
     pub fn run(self) -> Result<()> {
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         let fps = self.set_fps(&mut scene).map_err(|error| error.in_file(&self.scene))?;
+        let scene = self.camera.see_over_time(scene, fps)?;
         let stills = self.stills(&scene, fps)?;
         let started = Instant::now();
         let mut report = match Container::of(&self.output) {
@@ -156,7 +161,7 @@ impl Sequence {
                 None => index as f64 / fps,
             };
             let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
-            Ok(Still { number, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
+            Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
         })
         .collect()
     }
@@ -197,10 +202,10 @@ impl Sequence {
         let mut brush =
             self.brush(scene).map_err(|error| stopped(error, || kept(report.found, stills.len())))?;
         let mut last: Option<(&Stamp, PathBuf)> = None;
-        let bar = terminal::progress("frames");
+        let bar = terminal::share("frames");
         for (i, still) in missing.iter().enumerate() {
             let mut progress = |share: f64| {
-                bar.set_position((1000.0 * (i as f64 + share) / missing.len() as f64) as u64);
+                bar.set((i as f64 + share) / missing.len() as f64);
             };
             let file = pattern.file(still.number);
             match &last {
@@ -219,7 +224,7 @@ impl Sequence {
             }
             last = Some((&still.stamp, file));
         }
-        bar.finish_and_clear();
+        bar.finish();
         report.tell_of(&brush);
         Ok(report)
     }
@@ -234,7 +239,9 @@ impl Sequence {
     ) -> Result<()> {
         let scene = Scene { time: still.time, ..scene.clone() };
         // What a path traced frame is on the way is no frame: it would pass for one.
-        let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes());
+        let header =
+            Header { frame: Some(still.number), fps: Some(still.fps), ..self.picture.notes().header };
+        let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes(header));
         let (metered, output) = (*metered, file);
         let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
@@ -262,10 +269,10 @@ impl Sequence {
             |error| stopped(error, || format!("there is no movie `{}` yet", self.output.display()));
         // Who finds all frames needs no adapter.
         let mut brush = None;
-        let bar = terminal::progress("frames");
+        let bar = terminal::share("frames");
         for (i, still) in stills.iter().enumerate() {
             let mut progress = |share: f64| {
-                bar.set_position((1000.0 * (i as f64 + share) / stills.len() as f64) as u64);
+                bar.set((i as f64 + share) / stills.len() as f64);
             };
             let file = from.as_ref().map(|pattern| pattern.file(still.number));
             let bytes = match last.take().filter(|(stamp, _)| *stamp == still.stamp) {
@@ -293,7 +300,7 @@ impl Sequence {
             last = Some((still.stamp.clone(), bytes));
         }
         movie.finish().map_err(unfinished)?;
-        bar.finish_and_clear();
+        bar.finish();
         brush.iter().for_each(|brush| report.tell_of(brush));
         Ok(report)
     }

@@ -5,7 +5,10 @@ use std::{hash::Hasher, path::Path};
 use siphasher::sip128::{Hasher128, SipHasher13};
 
 use super::super::picture::PictureOptions;
-use crate::{export::Notes, scene::Scene};
+use crate::{
+    export::{Header, Notes},
+    scene::Scene,
+};
 
 /// Name of the note in a frame's file.
 const NOTE: &str = "nephos.frame";
@@ -42,8 +45,8 @@ impl Stamp {
         file.exists() && Notes::of_whole_file(file).is_ok_and(|notes| notes.get(NOTE) == Some(&self.0))
     }
 
-    /// The note for a file.
-    pub fn notes(&self) -> Notes {
-        Notes(vec![(NOTE.to_owned(), self.0.clone())])
+    /// The note for a file that tells `header`, too.
+    pub fn notes(&self, header: Header) -> Notes {
+        Notes { texts: vec![(NOTE.to_owned(), self.0.clone())], header }
     }
 }

@@ -2,6 +2,7 @@
 
 use eframe::egui::{DragValue, Ui};
 use egui_phosphor::regular as icon;
+use glam::DVec3;
 
 use super::{apply, growth::growth, hint, layer::layer, section, volume::volume};
 use crate::{
@@ -128,7 +129,7 @@ fn own_edge(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud
     form.check("Ellipsoid.edge", "Its own edge", &mut own, false);
     let mut edge = ellipsoid.edge.clone().unwrap_or_else(|| cloud.edge.clone());
     if own {
-        edge_rows(&mut form, &mut edge, &cloud.edge, 2.0 * ellipsoid.radii.max_element());
+        edge_rows(&mut form, &mut edge, &cloud.edge, 2.0 * ellipsoid.radii.max_element(), true);
     }
     let change = form.changed();
     if !own {
@@ -138,11 +139,17 @@ fn own_edge(ui: &mut Ui, document: &mut Document, id: EllipsoidId, cloud: &Cloud
     put(document, change, id, ellipsoid, |to, from| to.edge.clone_from(&from.edge), true);
 }
 
-/// Boundary and wispiness; the slider of the boundary ends at `widest` metres.
-fn edge_rows(form: &mut Form<'_>, edge: &mut Edge, default: &Edge, widest: f64) {
+/// Boundary and wispiness; the slider of the boundary ends at `widest` metres. They are off where no
+/// ellipsoid has this edge.
+fn edge_rows(form: &mut Form<'_>, edge: &mut Edge, default: &Edge, widest: f64, works: bool) {
+    form.works(works, "All ellipsoids of this cloud have edges of their own.");
     let widest = 0.0..=widest.clamp(10.0, 1e4);
     form.slider("Edge.boundary", "Boundary", &mut edge.boundary, default.boundary, widest);
+    if works && edge.boundary <= 0.0 {
+        form.works(false, "The boundary has no thickness: raise it first.");
+    }
     form.number("Edge.wispiness", "Wispiness", &mut edge.wispiness, default.wispiness);
+    form.works(true, "");
 }
 
 /// Puts `ellipsoid` into the document, and what `share` copies into the other selected ones.
@@ -167,11 +174,13 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     let widest = cloud.ellipsoids.iter().map(|e| 2.0 * e.radii.max_element()).fold(200.0, f64::max);
     let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
+    let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
+    let is_used = cloud.ellipsoids.is_empty() || own < cloud.ellipsoids.len();
     if cloud.volume.is_none() {
-        edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest);
+        edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest, is_used);
         let default = Cloud::default();
         if cloud.layer.is_none() {
-            shape_rows(&mut form, &mut cloud);
+            shape_rows(&mut form, &mut cloud, document.scene().wind.velocity);
         }
         form.number(
             "Cloud.stratification",
@@ -184,7 +193,6 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
     let change = form.changed();
-    let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
     if own > 0 {
         hint(ui, &format!("{own} of {} ellipsoids have edges of their own.", cloud.ellipsoids.len()));
     }
@@ -192,8 +200,10 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
 }
 
 /// What layers do not have.
-fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud) {
+fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud, wind: DVec3) {
+    form.works(cloud.ellipsoids.len() > 1, "One ellipsoid alone has none to join: add another.");
     form.number("Cloud.blend", "Blend", &mut cloud.blend, Cloud::default().blend);
+    form.works(true, "");
     let mut flat = cloud.level.is_some();
     form.check("Cloud.level", "Flat base", &mut flat, false);
     let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
@@ -201,7 +211,10 @@ fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud) {
     if let Some(level) = &mut cloud.level {
         form.slider("Cloud.level", "Base altitude", level, lowest, lowest - 500.0..=lowest + 500.0);
     }
+    let has_lee = wind.with_y(0.0) != DVec3::ZERO;
+    form.works(has_lee, "Without wind there is no lee: give it a velocity in the World panel.");
     form.number("Evaporation.lee", "Veil in the lee", &mut cloud.evaporation.lee, 0.0);
+    form.works(true, "");
     form.number("Evaporation.base", "Veil at the base", &mut cloud.evaporation.base, 0.0);
 }
 

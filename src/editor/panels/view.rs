@@ -51,7 +51,7 @@ fn truth(ui: &mut Ui) -> Option<ViewCommand> {
 
 fn show(ui: &mut Ui, viewport: &mut Viewport) {
     let settings = &mut viewport.settings;
-    ui.checkbox(&mut settings.outlines, "Outlines of all ellipsoids");
+    ui.checkbox(&mut settings.outlines, "Outlines near the mouse");
     ui.checkbox(&mut settings.grid, "Grid and horizon");
     ui.checkbox(&mut settings.hints, "Hints at the bottom");
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{LightsPanel, SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Atmosphere, Camera, Ground, Noise, Projection, Sky, ToneCurve},
+    scene::{Atmosphere, Camera, Cloud, Ground, Noise, Projection, Scene, Sky, ToneCurve},
 };
 
 /// What this panel asks of others.
@@ -162,7 +162,10 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
 fn noise(ui: &mut Ui, document: &mut Document) {
     let mut noise = document.scene().noise.clone();
     let default = Noise::default();
+    let clouds = &document.scene().clouds;
+    let is_used = clouds.is_empty() || clouds.iter().any(|cloud| cloud.noise.is_none());
     let mut form = Form::new(ui).keyed(document, "");
+    form.works(is_used, "All clouds have noise of their own.");
     noise_rows(&mut form, &mut noise);
     form.vector("Noise.offset", "Offset", &mut noise.offset, default.offset);
     form.rotation("Noise.rotation", "Rotation", &mut noise.rotation);
@@ -180,11 +183,20 @@ fn ground(ui: &mut Ui, document: &mut Document) {
     apply(document, change, |scene| scene.ground = ground);
 }
 
+/// Whether anything is otherwise at another time.
+fn moves(scene: &Scene) -> bool {
+    let blows = scene.wind.velocity != DVec3::ZERO || scene.wind.shear != DVec3::ZERO;
+    let renews = |noise: &Noise| noise.rate > 0.0;
+    let lives = |cloud: &Cloud| cloud.life.is_some() || cloud.noise.as_ref().is_some_and(renews);
+    blows || scene.timeline.is_some() || renews(&scene.noise) || scene.clouds.iter().any(lives)
+}
+
 fn wind(ui: &mut Ui, document: &mut Document) {
     let (mut wind, mut time) = (document.scene().wind.clone(), document.scene().time);
     let mut form = Form::new(ui).keyed(document, "");
     form.vector("Wind.velocity", "Velocity", &mut wind.velocity, DVec3::ZERO);
     form.vector("Wind.shear", "Shear", &mut wind.shear, DVec3::ZERO);
+    form.works(moves(document.scene()), "Nothing moves: there is no wind, no noise with renewals, no life.");
     form.slider("Scene.time", "Time", &mut time, 0.0, 0.0..=600.0);
     let change = form.changed();
     apply(document, change, |scene| (scene.wind, scene.time) = (wind, time));

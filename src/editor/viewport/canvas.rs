@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use eframe::egui::{TextureId, mutex::RwLock};
+use eframe::egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions, mutex::RwLock};
 use wgpu::{TextureFormat, TextureView};
 
 use super::{
@@ -21,7 +21,7 @@ use super::{
 use crate::{
     Error, Result,
     export::Picture,
-    gpu::{Gpu, Timing},
+    gpu::{self, Gpu, Timing},
     render::{Frame, Quality, Renderer, Resolve, Shown},
     scene::Scene,
 };
@@ -38,11 +38,37 @@ const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
 /// Share of the time of a picture, while something moves, that may go into light.
 const LIGHT_SHARE: f64 = 0.5;
 
+/// Where egui finds what is drawn.
+pub enum Shelf {
+    /// In textures of the window's device.
+    Device(Arc<RwLock<egui_wgpu::Renderer>>),
+    /// In memory: the device is another.
+    Memory,
+}
+
 /// A texture that egui shows.
 pub struct Screen {
     texture: wgpu::Texture,
+    hung: Hung,
+}
+
+/// How egui knows a texture.
+enum Hung {
+    Texture(TextureId),
+    Pixels(TextureHandle),
+    /// Not yet.
+    Nowhere,
+}
+
+impl Screen {
     /// Its name for egui.
-    pub id: TextureId,
+    pub fn id(&self) -> Option<TextureId> {
+        match &self.hung {
+            Hung::Texture(id) => Some(*id),
+            Hung::Pixels(handle) => Some(handle.id()),
+            Hung::Nowhere => None,
+        }
+    }
 }
 
 /// Keeps what is shown and draws it anew as needed.
@@ -50,7 +76,9 @@ pub struct Canvas {
     gpu: Gpu,
     renderer: Renderer,
     resolve: Resolve,
-    egui: Arc<RwLock<egui_wgpu::Renderer>>,
+    shelf: Shelf,
+    /// The window; nothing before the first picture.
+    window: Context,
     subject: Option<Subject>,
     /// The moment of a scene that was seen last: a camera that moves makes none of its clouds anew.
     moment: Option<(Arc<Scene>, Frame)>,
@@ -79,14 +107,15 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// Draws with `gpu` into textures that `egui` shows.
-    pub fn new(gpu: Gpu, egui: Arc<RwLock<egui_wgpu::Renderer>>) -> Self {
+    /// Draws with `gpu` what `shelf` hands to egui.
+    pub fn new(gpu: Gpu, shelf: Shelf) -> Self {
         let renderer = Renderer::new(&gpu.device, &gpu.queue, LINEAR);
         let pace = if gpu.adapter.kind == "Cpu" { Pace::SLOW } else { Pace::default() };
         Self {
             renderer,
             resolve: Resolve::default(),
-            egui,
+            shelf,
+            window: Context::default(),
             subject: None,
             moment: None,
             tone: Tone::default(),
@@ -111,7 +140,7 @@ impl Canvas {
 
     /// The picture for egui.
     pub fn image(&self) -> Option<TextureId> {
-        self.screen.as_ref().map(|screen| screen.id)
+        self.screen.as_ref().and_then(Screen::id)
     }
 
     /// The linear picture that is shown, and how far it has come.
@@ -161,8 +190,15 @@ impl Canvas {
         self.work = None;
     }
 
-    /// Does a frame's share of work for `subject` within `budget`; tells when to come again.
-    pub fn update(&mut self, subject: Subject, tone: Tone, budget: Duration) -> Option<Duration> {
+    /// Does a share of work for `subject` within `budget`; tells when to come again.
+    pub fn update(
+        &mut self,
+        subject: Subject,
+        tone: Tone,
+        budget: Duration,
+        window: &Context,
+    ) -> Option<Duration> {
+        self.window = window.clone();
         let step = self.step(subject, tone, budget);
         step.unwrap_or_else(|error| {
             self.error = Some(error.to_string());
@@ -183,7 +219,7 @@ impl Canvas {
         }
         self.subject = Some(subject);
         if exposed || switched {
-            self.compose_again();
+            self.compose_again()?;
         }
         if self.stage == Stage::Final {
             return Ok(None);
@@ -216,7 +252,7 @@ impl Canvas {
         }
         let metered = Some(self.renderer.meter(&self.gpu, frame)?);
         if std::mem::replace(&mut self.metered, metered) != metered {
-            self.compose_again();
+            self.compose_again()?;
         }
         Ok(())
     }
@@ -368,7 +404,6 @@ impl Canvas {
         let source = (&view(source), work.rays, shown);
         let mut slot = self.screen.take();
         let screen = self.fit(&mut slot, size);
-        self.screen = slot;
         let mut encoder = self.encoder();
         if matches!(shown, Shown::Beauty | Shown::Light) {
             let linear = self.renderer.picture("viewport", size, LINEAR);
@@ -382,19 +417,24 @@ impl Canvas {
             self.linear = None;
         }
         self.submit(encoder)?;
+        self.hang(&mut slot)?;
+        self.screen = slot;
         self.statistics.drawn(work.stage, size, work.rays, work.spent);
         self.statistics.light_updates = self.renderer.light_updates();
         Ok(())
     }
 
     /// Only exposure or tone curve changed.
-    fn compose_again(&mut self) {
-        let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &self.screen) else {
-            return;
-        };
-        let (mut encoder, tone) = (self.encoder(), self.tone().in_unit(self.unit));
-        self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, tone);
-        self.gpu.queue.submit([encoder.finish()]);
+    fn compose_again(&mut self) -> Result<()> {
+        let mut slot = self.screen.take();
+        if let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &slot) {
+            let (mut encoder, tone) = (self.encoder(), self.tone().in_unit(self.unit));
+            self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, tone);
+            self.gpu.queue.submit([encoder.finish()]);
+            self.hang(&mut slot)?;
+        }
+        self.screen = slot;
+        Ok(())
     }
 
     /// Finishes a linear picture for the screen.
@@ -410,7 +450,8 @@ impl Canvas {
         let screen = self.fit(slot, [linear.width(), linear.height()]);
         let mut encoder = self.encoder();
         self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, tone);
-        self.submit(encoder)
+        self.submit(encoder)?;
+        self.hang(slot)
     }
 
     /// What is behind the clouds of `frame`.
@@ -430,17 +471,32 @@ impl Canvas {
         }
         let texture = self.renderer.picture("viewport on the screen", size, SCREEN);
         let target = view(&texture);
-        let filter = wgpu::FilterMode::Linear;
-        let mut egui = self.egui.write();
-        let id = match slot.take() {
-            Some(Screen { id, .. }) => {
+        let mut hung = slot.take().map_or(Hung::Nowhere, |screen| screen.hung);
+        if let Shelf::Device(egui) = &self.shelf {
+            let (mut egui, filter) = (egui.write(), wgpu::FilterMode::Linear);
+            if let Hung::Texture(id) = hung {
                 egui.update_egui_texture_from_wgpu_texture(&self.gpu.device, &target, filter, id);
-                id
+            } else {
+                hung = Hung::Texture(egui.register_native_texture(&self.gpu.device, &target, filter));
             }
-            None => egui.register_native_texture(&self.gpu.device, &target, filter),
-        };
-        *slot = Some(Screen { texture, id });
+        }
+        *slot = Some(Screen { texture, hung });
         target
+    }
+
+    /// Takes what was drawn into a slot over to egui, where that does not see the texture itself.
+    fn hang(&self, slot: &mut Option<Screen>) -> Result<()> {
+        let (Some(Screen { texture, hung }), Shelf::Memory) = (slot, &self.shelf) else { return Ok(()) };
+        let bytes = gpu::read_texture(&self.gpu, texture, 0)?;
+        let size = [texture.width(), texture.height()].map(|n| n as usize);
+        let image = ColorImage::from_rgba_premultiplied(size, &bytes);
+        match hung {
+            Hung::Pixels(handle) => handle.set(image, TextureOptions::LINEAR),
+            hung => {
+                *hung = Hung::Pixels(self.window.load_texture("viewport", image, TextureOptions::LINEAR));
+            }
+        }
+        Ok(())
     }
 
     fn abandon(&mut self) {

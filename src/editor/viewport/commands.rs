@@ -249,7 +249,7 @@ pub const COMMANDS: &[Entry] = {
             ToggleOutlines,
             "Outlines",
             key(Key::O),
-            "Shows the outlines of ellipsoids that are not selected.",
+            "Shows the outlines of ellipsoids near the mouse, not of the selected ones alone.",
         ),
         entry(
             SHOW,

@@ -1,8 +1,5 @@
 //! Truth and preview side by side: the line between them, their names, the numbers.
 
-use crate::scene::Tone;
-use std::time::Duration;
-
 use eframe::egui::{Align2, Color32, CursorIcon, Id, Painter, Rect, Sense, Ui, pos2, vec2};
 
 use super::{Viewport, error_map, hud, ink};
@@ -14,17 +11,10 @@ const REACH: f32 = 7.0;
 
 impl Viewport {
     /// Shows the truth, or the map of differences, to the right of the line.
-    pub(super) fn draw_truth(&mut self, ui: &Ui, painter: &Painter, tone: Tone, budget: Duration) {
-        let Some(truth) = &mut self.truth else { return };
-        if self.canvas.at_rest() {
-            if truth.update(ui.ctx(), &mut self.canvas, tone, budget) {
-                ui.ctx().request_repaint();
-            }
-        } else {
-            truth.stop();
-        }
-        let image = if self.settings.error_map { truth.map() } else { truth.image() };
-        if let Some(image) = image {
+    pub(super) fn draw_truth(&self, painter: &Painter) {
+        let truth = &self.easel.seen().truth;
+        let image = if self.settings.error_map { truth.map } else { truth.image };
+        if let Some(image) = image.filter(|_| self.truth) {
             let split = self.settings.split.clamp(0.0, 1.0);
             let area = Rect::from_min_max(pos2(self.line(), self.rect.top()), self.rect.max);
             let part = Rect::from_min_max(pos2(split, 0.0), pos2(1.0, 1.0));
@@ -34,7 +24,7 @@ impl Viewport {
 
     /// The line between both, to be dragged.
     pub(super) fn divide(&mut self, ui: &Ui) {
-        if self.truth.is_none() {
+        if !self.truth {
             return;
         }
         let x = self.line();
@@ -64,18 +54,12 @@ impl Viewport {
 
     /// Shows the truth beside the preview, or puts it away.
     pub(super) fn toggle_truth(&mut self) {
-        match self.truth.take() {
-            Some(mut truth) => {
-                truth.stop();
-                self.put_away = truth;
-            }
-            None => self.truth = Some(std::mem::take(&mut self.put_away)),
-        }
+        self.truth ^= true;
     }
 
     /// Shows the map of differences, and the truth with it where it was not shown.
     pub(super) fn toggle_error_map(&mut self) {
-        if self.truth.is_none() {
+        if !self.truth {
             self.toggle_truth();
             self.settings.error_map = true;
         } else {
@@ -85,13 +69,16 @@ impl Viewport {
 
     /// Names of both sides, and how far they are from each other.
     pub(super) fn tell_truth(&self, painter: &Painter) {
-        let Some(truth) = &self.truth else { return };
+        if !self.truth {
+            return;
+        }
+        let truth = &self.easel.seen().truth;
         let x = self.line();
         let below_bar = self.rect.top() + 54.0;
         ink::plate(painter, pos2(x - 10.0, below_bar), Align2::RIGHT_TOP, 12.0, "Preview");
-        let right = match (&truth.error, truth.numbers()) {
+        let right = match (&truth.error, &truth.numbers) {
             (Some(error), _) => error.clone(),
-            (None, None) if self.canvas.at_rest() => "Truth: tracing the first paths".to_owned(),
+            (None, None) if self.easel.at_rest() => "Truth: tracing the first paths".to_owned(),
             (None, None) => "Truth begins when the preview is final".to_owned(),
             (None, Some((samples, _))) if self.settings.error_map => {
                 format!("Difference   {samples} samples")
@@ -99,7 +86,7 @@ impl Viewport {
             (None, Some((samples, _))) => format!("Truth   {samples} samples"),
         };
         ink::plate(painter, pos2(x + 10.0, below_bar), Align2::LEFT_TOP, 12.0, &right);
-        let Some((_, numbers)) = truth.numbers() else { return };
+        let Some((_, numbers)) = &truth.numbers else { return };
         let percent = |x: f64| format!("{:.1} %", 100.0 * x);
         let text = format!(
             "Relative RMSE  {}\nwithout noise  {}\nBias  {:+.1} %\nNoise of the truth  {}",

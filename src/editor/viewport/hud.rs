@@ -110,7 +110,7 @@ impl Viewport {
     }
 
     fn bar(&mut self, ui: &mut Ui) -> Option<ViewCommand> {
-        let (truth, narrow) = (self.truth.is_some(), self.rect.width() < 560.0);
+        let (truth, narrow) = (self.truth, self.rect.width() < 560.0);
         let settings = &mut self.settings;
         let mut chosen = None;
         let toggles = [
@@ -154,7 +154,7 @@ impl Viewport {
 
     /// How far the picture has come, at the bottom right.
     fn state(&self, painter: &Painter) {
-        let statistics = &self.canvas.statistics;
+        let statistics = &self.easel.seen().statistics;
         let [width, height] = statistics.resolution;
         let rays = if statistics.rays > 1 {
             format!(" ×{}", statistics.rays * statistics.rays)
@@ -164,7 +164,7 @@ impl Viewport {
         let text = format!("{width} × {height}{rays}   {}   {}", statistics.quality, duration(statistics.ms));
         let at = self.rect.right_bottom() - vec2(MARGIN, 0.5 * STRIP);
         ink::words(painter, at, Align2::RIGHT_CENTER, 11.0, Color32::from_gray(205), &text);
-        if let Some(error) = &self.canvas.error {
+        if let Some(error) = &self.easel.seen().error {
             let galley = painter.layout(
                 error.clone(),
                 eframe::egui::FontId::proportional(13.0),
@@ -175,9 +175,9 @@ impl Viewport {
             ink::panel(painter, rect);
             painter.galley(rect.min + vec2(14.0, 10.0), galley, ink::WORDS);
         }
-        if !self.canvas.at_rest() && self.canvas.error.is_none() {
+        if !self.easel.at_rest() && self.easel.seen().error.is_none() {
             let (left, bottom) = (self.rect.left(), self.rect.bottom());
-            let share = self.canvas.statistics.share as f32;
+            let share = self.easel.seen().statistics.share as f32;
             let bar =
                 Rect::from_min_max(pos2(left, bottom - 2.0), pos2(left + share * self.rect.width(), bottom));
             painter.rect_filled(bar, 0.0, ink::HOVER);
@@ -186,7 +186,7 @@ impl Viewport {
 
     /// The colours of the cost layer.
     fn legend(&self, painter: &Painter) {
-        if self.settings.layer == Layer::Cost && self.truth.is_none() {
+        if self.settings.layer == Layer::Cost && !self.truth {
             let at = self.rect.right_bottom() - vec2(MARGIN + 190.0, 66.0);
             let color = |x: f32| HeatMap::color(x);
             let ticks: Vec<_> = [0.0, 10.0, 100.0, 1000.0]

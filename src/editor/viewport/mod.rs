@@ -5,6 +5,7 @@ mod canvas;
 mod commands;
 mod compare;
 mod compass;
+mod easel;
 mod error_map;
 mod gizmo;
 mod hand;
@@ -39,7 +40,7 @@ pub use settings::{Axes, Layer, Pivot, Tool, ViewSettings};
 pub use statistics::Statistics;
 
 use self::{
-    canvas::Canvas,
+    easel::{Easel, Order},
     hand::Hand,
     mouse::{Boxing, Hover},
     operation::{Kind, Operation},
@@ -71,12 +72,11 @@ pub struct Viewport {
     clicked: Option<Pos2>,
     wish: Option<Kind>,
     operation: Option<Operation>,
-    canvas: Canvas,
+    easel: Easel,
     /// The scene's camera when it was seen last.
     camera: Option<Camera>,
-    truth: Option<Truth>,
-    /// The truth while it is not shown: its texture is used again.
-    put_away: Truth,
+    /// Whether the truth is shown beside the preview.
+    truth: bool,
 }
 
 /// The preview against the truth.
@@ -114,10 +114,9 @@ impl Viewport {
             clicked: None,
             wish: None,
             operation: None,
-            canvas: Canvas::new(gpu, render_state.renderer.clone()),
+            easel: Easel::new(gpu, render_state.renderer.clone()),
             camera: None,
-            truth: None,
-            put_away: Truth::default(),
+            truth: false,
         }
     }
 
@@ -182,29 +181,30 @@ impl Viewport {
 
     /// The device that it draws with.
     pub fn gpu(&self) -> &Gpu {
-        self.canvas.gpu()
+        self.easel.gpu()
     }
 
     /// What was drawn and how long it took.
     pub fn statistics(&self) -> &Statistics {
-        &self.canvas.statistics
+        &self.easel.seen().statistics
     }
 
     /// What auto exposure adds to the scene's exposure, stops, where it has one.
     pub fn metered(&self) -> Option<f64> {
-        self.canvas.metered()
+        self.easel.seen().metered
     }
 
     /// How far the preview is from the truth, where that is shown.
     pub fn comparison(&self) -> Option<Comparison> {
-        let (samples, numbers) = self.truth.as_ref()?.numbers()?;
+        let (samples, numbers) = self.easel.seen().truth.numbers.filter(|_| self.truth)?;
         Some(Comparison { samples, numbers })
     }
 
     /// Whether the picture is final and nothing asks for another frame.
     pub fn at_rest(&self) -> bool {
-        let truth = self.truth.as_ref().is_none_or(Truth::done);
-        self.canvas.at_rest() && self.glide.is_none() && truth
+        let truth = &self.easel.seen().truth;
+        let told = !self.truth || truth.done || truth.error.is_some();
+        self.easel.at_rest() && self.glide.is_none() && told
     }
 
     /// Whether all keys belong to the viewport now: an axis or a number is expected, or
@@ -287,23 +287,25 @@ impl Viewport {
             scene: document.shared_scene(),
             camera: self.view.seen(self.aspect()),
             size,
-            layer: if self.truth.is_some() { Layer::Beauty } else { self.settings.layer },
+            layer: if self.truth { Layer::Beauty } else { self.settings.layer },
             rays: Film::of_quality(size, &Quality::FINAL).rays(),
         };
         let budget = Duration::from_secs_f64(1.0 / self.settings.frames_per_second.clamp(5.0, 120.0));
-        self.canvas.measure(self.settings.measure);
-        if let Some(after) = self.canvas.update(subject, document.scene().tone(), budget) {
-            ui.ctx().request_repaint_after(after);
-        }
-        if let Some(image) = self.canvas.image() {
+        let (tone, measure, truth) = (document.scene().tone(), self.settings.measure, self.truth);
+        self.easel.ask(Order { subject, tone, budget, measure, truth }, ui.ctx());
+        if let Some(image) = self.easel.seen().image {
             painter.image(image, self.rect, compare::WHOLE, Color32::WHITE);
         }
-        self.draw_truth(ui, painter, self.canvas.tone(), budget);
+        self.draw_truth(painter);
     }
 
-    /// A view through the scene's camera stays there when curves move the camera.
+    /// A view through the scene's camera stays there when curves move the camera. An automatic one is where
+    /// it was when one looked: it would jump at each edit.
     fn follow_camera(&mut self, document: &Document) {
-        let camera = document.scene().camera();
+        let Some(camera) = document.scene().camera.clone() else {
+            self.camera = None;
+            return;
+        };
         let before = self.camera.replace(camera.clone());
         let moved = before.filter(|before| *before != camera);
         if self.glide.is_none() && moved.is_some_and(|before| self.is_at(&before)) {
@@ -332,9 +334,9 @@ impl Viewport {
         let size = self.rect.size() * pixels_per_point;
         let most = if self.settings.largest == 0 { Film::WIDEST } else { self.settings.largest };
         let mut shrink = (most as f32 / size.x.max(size.y).max(1.0)).min(1.0);
-        if self.truth.is_some() {
+        if self.truth {
             // Both sides have the same pixels, as many as paths can be traced for.
-            let pixels = Truth::pixels(self.canvas.gpu(), self.settings.truth_pixels);
+            let pixels = Truth::pixels(self.easel.gpu(), self.settings.truth_pixels);
             shrink = shrink.min((pixels as f32 / size.x.max(1.0) / size.y.max(1.0)).sqrt());
         }
         [size.x, size.y].map(|n| ((n * shrink).round() as u32).max(1))
@@ -355,8 +357,9 @@ impl Viewport {
             overlay::frame(painter, self.rect, navigation::PICTURE_ASPECT as f32);
         }
         // Between truth and preview nothing shall stand that is not needed.
-        let all = self.settings.outlines && self.truth.is_none();
-        overlay::outlines(painter, &lens, scene, selection, self.hover.ellipsoid, all);
+        let mouse = ui.input(|input| input.pointer.hover_pos());
+        let mouse = mouse.filter(|at| self.settings.outlines && !self.truth && self.rect.contains(*at));
+        overlay::outlines(painter, &lens, scene, selection, self.hover.ellipsoid, mouse);
         if let Some(area) = self.box_area(ui) {
             let found = pick::in_box(scene, &lens, area);
             overlay::centers(painter, &lens, scene, |id| found.contains(&id));

@@ -85,7 +85,7 @@ impl Viewport {
             return Gizmo::new(self.settings.tool, pivot, operation.frame())
                 .filter(|gizmo| operation.dragged && gizmo.kind == operation.kind);
         }
-        if self.truth.is_some() || matches!(self.boxing, Boxing::From(_)) {
+        if self.truth || matches!(self.boxing, Boxing::From(_)) {
             return None;
         }
         let pivot = pivot_of(document, self.settings.pivot)?;

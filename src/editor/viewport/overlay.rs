@@ -9,24 +9,28 @@ use glam::DVec3;
 use super::{ink, lens::Lens, outline, pick, space::nice};
 use crate::{
     editor::{EllipsoidId, Selection},
-    scene::{Camera, Scene},
+    scene::{Camera, Ellipsoid, Scene},
 };
 
 /// Lines of the grid on either side of its middle.
 const LINES: i32 = 24;
 /// Far enough to be the horizon, m.
 const FAR: f64 = 1e7;
+/// How far from the mouse outlines are drawn, points, and how many.
+const NEAR: f32 = 140.0;
+const MOST_AROUND: usize = 12;
 /// Radius of the Earth, m.
 const EARTH: f64 = 6.36e6;
 
-/// Outlines of what can be seen; those that are not selected only where `all`.
+/// Outlines of what is selected and what the mouse is on; and of the others around `mouse`, a place of
+/// the screen, fainter with their distance: all of them would bury a cloud of hundreds.
 pub fn outlines(
     painter: &Painter,
     lens: &Lens,
     scene: &Scene,
     selection: &Selection,
     hover: Option<EllipsoidId>,
-    all: bool,
+    mouse: Option<Pos2>,
 ) {
     let rank = |id: EllipsoidId| match id {
         _ if selection.active == Some(id) => 3,
@@ -34,25 +38,43 @@ pub fn outlines(
         _ if hover == Some(id) => 1,
         _ => 0,
     };
-    let mut seen: Vec<_> = pick::visible(scene).map(|(id, e)| (rank(id), id, e)).collect();
-    // The important ones over the others.
-    seen.sort_by_key(|(rank, ..)| *rank);
-    for (rank, id, ellipsoid) in seen {
-        if rank == 0 && !all {
-            continue;
+    let draw = |id: EllipsoidId, ellipsoid: &Ellipsoid, width: f32, color: Color32| {
+        let seen = scene.clouds[id.cloud].mean_edge(ellipsoid);
+        for line in outline::lines(&seen, lens) {
+            ink::line(painter, &line, width, color);
         }
+    };
+    if let Some(mouse) = mouse {
+        for (id, ellipsoid, away) in around(lens, scene, mouse).into_iter().filter(|(id, ..)| rank(*id) == 0)
+        {
+            draw(id, ellipsoid, 1.0, ink::QUIET.gamma_multiply(1.0 - 0.75 * away / NEAR));
+        }
+    }
+    let mut marked: Vec<_> = pick::visible(scene).map(|(id, e)| (rank(id), id, e)).collect();
+    marked.retain(|(rank, ..)| *rank > 0);
+    // The important ones over the others.
+    marked.sort_by_key(|(rank, ..)| *rank);
+    for (rank, id, ellipsoid) in marked {
         let hovered = hover == Some(id);
         let (width, color) = match rank {
             3 => (2.2, ink::ACTIVE),
             2 => (1.8, ink::SELECTED),
-            1 => (1.6, ink::HOVER),
-            _ => (1.0, ink::QUIET),
+            _ => (1.6, ink::HOVER),
         };
-        let seen = scene.clouds[id.cloud].mean_edge(ellipsoid);
-        for line in outline::lines(&seen, lens) {
-            ink::line(painter, &line, width + if hovered && rank > 1 { 0.8 } else { 0.0 }, color);
-        }
+        draw(id, ellipsoid, width + if hovered && rank > 1 { 0.8 } else { 0.0 }, color);
     }
+}
+
+/// What has its middle near `mouse` on the screen, nearest first, with the distance in points.
+fn around<'a>(lens: &Lens, scene: &'a Scene, mouse: Pos2) -> Vec<(EllipsoidId, &'a Ellipsoid, f32)> {
+    let away = |ellipsoid| outline::center(ellipsoid, lens).map(|at| at.distance(mouse));
+    let mut near: Vec<_> = pick::visible(scene)
+        .filter_map(|(id, ellipsoid)| Some((id, ellipsoid, away(ellipsoid)?)))
+        .filter(|(.., away)| *away < NEAR)
+        .collect();
+    near.sort_by(|a, b| a.2.total_cmp(&b.2));
+    near.truncate(MOST_AROUND);
+    near
 }
 
 /// Dots at the centres of everything that a box can take.

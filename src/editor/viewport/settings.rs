@@ -119,7 +119,7 @@ impl Pivot {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ViewSettings {
-    /// Whether ellipsoids that are not selected have outlines too.
+    /// Whether ellipsoids near the mouse have outlines too, not the selected ones alone.
     pub outlines: bool,
     /// Whether the ground's grid and the horizon are drawn.
     pub grid: bool,

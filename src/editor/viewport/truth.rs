@@ -8,6 +8,7 @@ use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, Textu
 
 use super::{
     canvas::{Canvas, Screen},
+    easel::TruthSeen,
     error_map::{self, Numbers},
     stage::Stage,
     subject::Subject,
@@ -30,7 +31,7 @@ pub struct Truth {
     screen: Option<Screen>,
     map: Option<TextureHandle>,
     /// Why there is none.
-    pub error: Option<String>,
+    error: Option<String>,
 }
 
 /// What is known of one subject.
@@ -65,26 +66,37 @@ impl Truth {
         }
     }
 
+    /// What there is to see of it.
+    pub fn seen(&self) -> TruthSeen {
+        TruthSeen {
+            image: self.image(),
+            map: self.map(),
+            numbers: self.numbers(),
+            error: self.error.clone(),
+            done: self.done(),
+        }
+    }
+
     /// The truth's picture, where there is one of what is seen now.
-    pub fn image(&self) -> Option<TextureId> {
+    fn image(&self) -> Option<TextureId> {
         self.run.as_ref()?.shown.as_ref()?;
-        self.screen.as_ref().map(|screen| screen.id)
+        self.screen.as_ref().and_then(Screen::id)
     }
 
     /// The map of differences likewise.
-    pub fn map(&self) -> Option<TextureId> {
+    fn map(&self) -> Option<TextureId> {
         self.run.as_ref()?.shown.as_ref()?;
         self.map.as_ref().map(TextureHandle::id)
     }
 
     /// Samples of each pixel that the picture has, and how far the preview is from it.
-    pub fn numbers(&self) -> Option<(u32, Numbers)> {
+    fn numbers(&self) -> Option<(u32, Numbers)> {
         let shown = self.run.as_ref()?.shown.as_ref()?;
         Some((shown.samples, shown.numbers))
     }
 
     /// Whether there is no more to do.
-    pub fn done(&self) -> bool {
+    fn done(&self) -> bool {
         self.error.is_some() || self.run.as_ref().is_some_and(|run| run.done)
     }
 

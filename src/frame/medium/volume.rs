@@ -51,6 +51,8 @@ pub struct VolumeUniform {
     pub(crate) slots: [u32; 2],
     pub(crate) voxel: f32,
     pub(crate) count: u32,
+    pub(crate) widest: f32,
+    padding: [f32; 3],
     pub(crate) levels: [[u32; 4]; LEVELS],
 }
 
@@ -92,6 +94,8 @@ impl VolumeShape {
             slots: [slots.x, slots.y],
             voxel: voxel.into_iter().fold(f64::INFINITY, f64::min) as f32,
             count: bricks.levels.len() as u32,
+            widest: voxel.into_iter().fold(0.0, f64::max) as f32,
+            padding: [0.0; 3],
             levels: bricks.table(),
         };
         let (low, high) = volume.bounds().unwrap_or_default();

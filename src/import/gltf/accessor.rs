@@ -85,10 +85,10 @@ impl Component {
 impl Gltf {
     /// All numbers of an accessor of type `kind`, one after another.
     pub(super) fn numbers(&self, index: usize, kind: &str, stored: Stored) -> Result<Vec<f64>> {
-        let damaged = || self.foreign(&format!("accessor {index} does not hold what a mesh takes from it"));
+        let damaged = || self.foreign(&format!("accessor {index} does not hold what is taken from it"));
         let found = self.document.accessors.get(index);
         let Some(accessor) = found else {
-            return Err(self.foreign(&format!("a mesh names accessor {index}, which is not there")));
+            return Err(self.foreign(&format!("it names accessor {index}, which is not there")));
         };
         let component = Component::of(accessor.component_type)
             .filter(|component| component.is(stored) && accessor.kind == kind && accessor.count > 0);

@@ -29,6 +29,8 @@ pub(super) struct Document {
     #[serde(default)]
     pub cameras: Vec<Lens>,
     #[serde(default)]
+    pub animations: Vec<Animation>,
+    #[serde(default)]
     pub accessors: Vec<Accessor>,
     #[serde(default)]
     pub buffer_views: Vec<View>,
@@ -107,6 +109,33 @@ pub(in crate::import) struct Perspective {
 #[derive(Debug, Deserialize)]
 pub(in crate::import) struct Orthographic {
     pub ymag: f64,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Animation {
+    #[serde(default)]
+    pub channels: Vec<Channel>,
+    #[serde(default)]
+    pub samplers: Vec<Sampler>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Channel {
+    pub sampler: usize,
+    pub target: Target,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Target {
+    pub node: Option<usize>,
+    pub path: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sampler {
+    pub input: usize,
+    pub output: usize,
+    pub interpolation: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -2,6 +2,7 @@
 
 mod accessor;
 mod document;
+mod motion;
 mod shape;
 
 use std::{
@@ -18,7 +19,7 @@ use gltf::{
 };
 
 use self::document::{Document, Node};
-pub(super) use self::{document::Lens, shape::read_mesh};
+pub(super) use self::{document::Lens, motion::Motion, shape::read_mesh};
 use crate::{Error, Result};
 
 /// A .gltf or .glb file; its buffers are read once somebody asks for them.
@@ -65,13 +66,27 @@ impl Gltf {
         Error::Format { path: self.path.clone(), problem }
     }
 
-    /// The shown nodes of the file's scene (of all its scenes, where it names none; of all nodes where there
-    /// is no scene), parents first, each with the map from the node to the world.
+    /// The shown nodes, parents first, each with the map from the node to the world.
     pub fn nodes(&self) -> Vec<(&Node, DMat4)> {
         self.walk().into_iter().map(|(i, world)| (&self.document.nodes[i], world)).collect()
     }
 
+    /// The shown nodes that have cameras, by their numbers.
+    pub fn with_cameras(&self) -> Vec<(usize, &Node, &Lens)> {
+        let found = self.walk().into_iter().filter_map(|(i, _)| {
+            let node = &self.document.nodes[i];
+            Some((i, node, self.document.cameras.get(node.camera?)?))
+        });
+        found.collect()
+    }
+
     fn walk(&self) -> Vec<(usize, DMat4)> {
+        self.walk_by(|_, node| node.transform())
+    }
+
+    /// The shown nodes of the file's scene (of all its scenes, where it names none; of all nodes where there
+    /// is no scene), parents first, each with the map from the node to the world; `pose` is that to the parent.
+    fn walk_by(&self, pose: impl Fn(usize, &Node) -> DMat4) -> Vec<(usize, DMat4)> {
         let nodes = &self.document.nodes;
         let mut open: Vec<_> = self.roots().into_iter().rev().map(|root| (root, DMat4::IDENTITY)).collect();
         // Files are trees by the standard, but not by force: what comes again is part of a ring.
@@ -82,7 +97,7 @@ impl Gltf {
             if std::mem::replace(&mut seen[i], true) {
                 continue;
             }
-            let world_from_node = world_from_parent * node.transform();
+            let world_from_node = world_from_parent * pose(i, node);
             found.push((i, world_from_node));
             open.extend(node.children.iter().map(|&child| (child, world_from_node)));
         }
@@ -97,11 +112,6 @@ impl Gltf {
             return (0..nodes.len()).filter(|i| !children.contains(&i)).collect();
         }
         (0..scenes.len()).filter(shown).flat_map(|i| scenes[i].nodes.clone()).collect()
-    }
-
-    /// The camera of a node.
-    pub fn camera(&self, node: &Node) -> Option<&Lens> {
-        self.document.cameras.get(node.camera?)
     }
 
     /// The bytes of a buffer.

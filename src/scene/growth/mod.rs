@@ -13,7 +13,7 @@ mod shreds;
 mod storm;
 mod surface;
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::BTreeMap};
 
 use glam::DVec3;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -23,7 +23,7 @@ use super::Ellipsoid;
 use super::validate::{At, COORDINATE, Limits};
 use super::whole::whole;
 use crate::Result;
-use pile::{Lump, Pile};
+use pile::{Lump, Part, Pile};
 
 const WIDTH: Limits = Limits::new(1.0, 1e5, "metres");
 const HEIGHT: Limits = Limits::new(1.0, 3e4, "metres");
@@ -32,6 +32,9 @@ const LEAN: Limits = Limits::new(-2.0, 2.0, "");
 const COVERAGE: Limits = Limits::new(0.05, 1.0, "");
 const DETAIL: Limits = Limits::new(0.0, 1.0, "");
 const AGE: Limits = Limits::new(0.0, 1.0, "");
+
+/// Share of the height below which lumps of its turrets are of the base.
+const BASE: f64 = 0.25;
 
 /// Most ellipsoids that one cloud grows.
 pub(super) const MOST_LUMPS: usize = 2400;
@@ -218,7 +221,29 @@ impl Growth {
             GrowthKind::OpenCells => cells::fill(self, &cells::OPEN, &mut pile),
         }
         let turn = heading::from_downwind(self.heading_deg);
-        pile.into_lumps().iter().map(|lump| self.placed(lump, turn)).collect()
+        let mut counts = BTreeMap::<&str, u32>::new();
+        let named = |lump: &Lump| {
+            let what = self.part_of(lump);
+            let count = counts.entry(what).or_default();
+            *count += 1;
+            Ellipsoid { name: Some(format!("{what} {count}")), ..self.placed(lump, turn) }
+        };
+        pile.into_lumps().iter().map(named).collect()
+    }
+
+    /// What people call a lump by.
+    fn part_of(&self, lump: &Lump) -> &'static str {
+        let cells = matches!(self.kind, GrowthKind::ClosedCells | GrowthKind::OpenCells);
+        match (lump.part, lump.generation) {
+            (Part::Ice, _) => "anvil",
+            (Part::Pouch, _) => "pouch",
+            (Part::Shred, _) => "shred",
+            (Part::Heap, 0) if cells => "patch",
+            (Part::Heap, 0) if lump.center.y < BASE * self.height => "base",
+            (Part::Heap, 0) => "turret",
+            (Part::Heap, 1) => "head",
+            (Part::Heap, _) => "knob",
+        }
     }
 
     /// Altitude of its flat base, metres; none where it is torn, or rolls hang down from it.

@@ -5,11 +5,11 @@ use eframe::egui::{
     UiBuilder, Vec2, pos2, vec2,
 };
 
-use super::{NAMES, Picked, drag, free_time, ruler::Scale};
+use super::{NAMES, Picked, drag, free_time, ruler::Scale, titles::title};
 use crate::{
     editor::{Document, keying::diamond, labels::name_widget, tracks},
     scene::{
-        Timeline,
+        Scene, Timeline,
         timeline::{Curve, Key},
     },
 };
@@ -59,7 +59,7 @@ impl Curves {
         let Some(timeline) = document.scene().timeline.clone() else { return };
         let now = picked.get_or_insert(Picked { track: 0, key: None }).track;
         let (room, _) = ui.allocate_exact_size(size, Sense::hover());
-        names(ui, room.with_max_x(room.left() + NAMES), &timeline, picked);
+        names(ui, room.with_max_x(room.left() + NAMES), document.scene(), picked);
         let Some(curve) = tracks::curve(&timeline, now) else { return };
         let values = self.values(ui, &curve, Rangef::new(room.top() + MARGIN, room.bottom() - MARGIN));
         line(ui, room, scale, &values, &curve);
@@ -88,12 +88,12 @@ impl Curves {
     }
 }
 
-fn names(ui: &mut Ui, room: Rect, timeline: &Timeline, picked: &mut Option<Picked>) {
+fn names(ui: &mut Ui, room: Rect, scene: &Scene, picked: &mut Option<Picked>) {
     let mut inside = ui.new_child(UiBuilder::new().max_rect(room.shrink2(vec2(4.0, 0.0))).id_salt("names"));
     ScrollArea::vertical().auto_shrink(false).show(&mut inside, |ui| {
-        for (index, track) in timeline.tracks.iter().enumerate() {
+        for (index, track) in scene.timeline.iter().flat_map(|timeline| &timeline.tracks).enumerate() {
             let is_it = picked.is_some_and(|picked| picked.track == index);
-            let text = eframe::egui::RichText::new(&track.path).small();
+            let text = eframe::egui::RichText::new(title(&track.path, scene)).small();
             if ui.selectable_label(is_it, text).on_hover_text(&track.path).clicked() {
                 *picked = Some(Picked { track: index, key: None });
             }

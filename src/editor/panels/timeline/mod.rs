@@ -3,6 +3,7 @@
 mod curves;
 mod ruler;
 mod sheet;
+mod titles;
 
 use eframe::egui::{Align, Context, DragValue, Layout, RichText, ScrollArea, Ui, vec2};
 use egui_phosphor::regular as icon;
@@ -95,13 +96,15 @@ impl TimelinePanel {
             self.playing = None;
             document.set_playhead(timeline.time_of(frame));
         }
+        // The panel is as high as it was dragged to, whatever is in it.
+        let room = vec2(ui.available_width(), ui.available_height());
         if timeline.tracks.is_empty() {
+            ui.set_min_height(room.y);
             ui.weak(
                 "Nothing changes yet. Click the diamond beside a field, or press I to key what is selected.",
             );
             return;
         }
-        let room = vec2(ui.available_width(), ui.available_height());
         match self.as_curves {
             true => self.curves.ui(ui, room, &scale, document, &mut self.picked),
             false => {

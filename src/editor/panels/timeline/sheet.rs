@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align2, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 
-use super::{NAMES, Picked, drag, free_time, ruler::Scale};
+use super::{NAMES, Picked, drag, free_time, ruler::Scale, titles::title};
 use crate::{
     editor::{Document, keying::diamond, labels::name_widget},
     scene::{Timeline, timeline::Key},
@@ -25,7 +25,7 @@ impl Sheet<'_> {
     pub fn ui(&self, ui: &mut Ui, document: &mut Document, picked: &mut Option<Picked>) {
         for (index, track) in self.timeline.tracks.iter().enumerate() {
             let (room, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-            self.name(ui, room, index, &track.path, picked);
+            self.name(ui, room, index, (&track.path, &title(&track.path, document.scene())), picked);
             let line = ui.visuals().widgets.noninteractive.bg_stroke;
             ui.painter().hline(self.scale.x, room.center().y, Stroke::new(1.0, line.color));
             for (key, value) in track.keys.iter().enumerate() {
@@ -34,7 +34,14 @@ impl Sheet<'_> {
         }
     }
 
-    fn name(&self, ui: &Ui, room: Rect, index: usize, path: &str, picked: &mut Option<Picked>) {
+    fn name(
+        &self,
+        ui: &Ui,
+        room: Rect,
+        index: usize,
+        (path, title): (&str, &str),
+        picked: &mut Option<Picked>,
+    ) {
         let area = room.with_max_x(room.left() + NAMES);
         let response = ui.interact(area, ui.id().with(("track", index)), Sense::click());
         name_widget(ui, &response, path);
@@ -42,8 +49,8 @@ impl Sheet<'_> {
         let color = if is_picked { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
         let font = TextStyle::Small.resolve(ui.style());
         let painter = ui.painter_at(area);
-        // The end of a path tells more than its beginning.
-        let galley = painter.layout_no_wrap(path.to_owned(), font, color);
+        // The end of a title tells more than its beginning.
+        let galley = painter.layout_no_wrap(title.to_owned(), font, color);
         let left = area.left().min(area.right() - 6.0 - galley.size().x);
         let at = Align2::LEFT_CENTER.anchor_size(pos2(left, area.center().y), galley.size());
         painter.galley(at.min, galley, color);
