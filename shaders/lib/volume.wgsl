@@ -105,7 +105,7 @@ fn volume_exit(place: vec3f, brick: vec3f, way: vec3f) -> f32 {
 
 // Optical depth of a voxel that is not thin, and the voxels that steps go by where it is thick and where it is clear.
 const VOLUME_THIN: f32 = 0.05;
-const VOLUME_STEPS: vec2f = vec2f(4.0, 12.0);
+const VOLUME_STEPS: vec2f = vec2f(3.0, 6.0);
 
 // The thickness of a boundary that steps in a brick go by, m: of so many voxels of this level, more where a voxel of
 // the greatest extinction in the brick, 1/m, is thin.

@@ -75,10 +75,9 @@ fn a_homogeneous_box_lets_through_what_beer_and_lambert_say() {
                     let wanted = 1.0 - (-depth).exp();
                     for found in opacities(&scene, quality) {
                         let error = (found - wanted).abs();
-                        assert!(
-                            error < 2e-3 + 1e-3 * depth,
-                            "{name} {up:?} {axis} {depth}: {found} for {wanted}"
-                        );
+                        // A step may go over the rim, in which a voxel's value rises: of final quality it is the shortest.
+                        let most = if quality == Quality::FINAL { 2e-3 + 1e-3 * depth } else { 8e-3 };
+                        assert!(error < most, "{name} {up:?} {axis} {depth}: {found} for {wanted}");
                     }
                 }
             }

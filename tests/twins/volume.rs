@@ -169,9 +169,9 @@ fn steps() -> Vec<Twin> {
             "return vec4f(volume_boundary(make(x), u32(x[0].x), x[0].y));",
             |x| {
                 let voxel = 20.0 * 2_f64.powi(x[0][0] as i32);
-                // Twelve voxels where one is clear, four from an optical depth of 0.05 on.
+                // Six voxels where one is clear, three from an optical depth of 0.05 on.
                 let thick = (x[0][1] * voxel / f64::from(0.05f32)).min(1.0);
-                one(voxel * (12.0 - 8.0 * thick))
+                one(voxel * (6.0 - 3.0 * thick))
             },
         )
         .declaring(MAKE)
