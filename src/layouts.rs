@@ -9,7 +9,8 @@ use crate::{
         CameraUniform, MEDIA,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
-            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform,
+            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS,
+            VolumeUniform,
         },
     },
     gpu,
@@ -47,7 +48,11 @@ fn module(entry_point: &str, light: Transport) -> Module {
 }
 
 fn in_shader(entry_point: &str, name: &str) -> Layout {
-    let medium = if name == "Layer" { LAYER } else { MEDIA[0] };
+    let medium = match name {
+        "Layer" => LAYER,
+        "Volume" => VOLUME,
+        _ => MEDIA[0],
+    };
     let roles = [&[medium], Transport::default().roles()].concat();
     let module = gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap();
     let mut layouter = Layouter::default();
@@ -62,7 +67,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 20] = [
+    let cases: [(&str, &str, Layout); 21] = [
         ("sun_map", "Caster", layout!(CasterUniform: light_box, tiles, turning)),
         (
             "sky",
@@ -99,6 +104,11 @@ fn structs_of_rust_and_shaders_agree() {
             "Cloud",
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
                 first_step, longest_step, growth, lit_at_once, shadow_range, curvature, scene_depth),
+        ),
+        (
+            "march",
+            "Volume",
+            layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, widest, levels),
         ),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (
@@ -200,6 +210,13 @@ fn squares_of_layers_are_as_many_as_the_shader_takes() {
     let text = gpu::entry_point("march", &[&[LAYER], Transport::default().roles()].concat());
     assert!(text.contains(&format!("const LAYER_SQUARES: u32 = {SQUARES}u;")));
     assert!(text.contains(&format!("const SQUARE_SIZES: u32 = {}u;", SQUARES.ilog2() + 1)));
+}
+
+#[test]
+fn bricks_of_volumes_are_as_the_shader_takes_them() {
+    let text = gpu::entry_point("march", &[&[VOLUME], Transport::default().roles()].concat());
+    assert!(text.contains(&format!("const VOLUME_CELLS: u32 = {VOLUME_CELLS}u;")));
+    assert!(text.contains(&format!("const VOLUME_LEVELS: u32 = {VOLUME_LEVELS}u;")));
 }
 
 #[test]

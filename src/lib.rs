@@ -64,7 +64,6 @@ pub mod export;
 mod files;
 pub mod frame;
 pub mod gpu;
-#[cfg(feature = "import")]
 pub mod import;
 #[cfg(feature = "measure")]
 pub mod measure;
@@ -73,6 +72,8 @@ pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod tables;
+#[cfg(any(feature = "export", feature = "import"))]
+mod vdb;
 
 #[cfg(test)]
 mod layouts;

@@ -7,6 +7,7 @@ mod desk;
 mod edit;
 mod export;
 mod fill;
+mod import;
 mod info;
 #[cfg(feature = "editor")]
 mod jobs;
@@ -49,6 +50,7 @@ enum Command {
     Render(render::Render),
     Export(export::Export),
     Fill(fill::Fill),
+    Import(import::Import),
     Sequence(Box<sequence::Sequence>),
     Bench(bench::Bench),
     New(new::New),
@@ -135,6 +137,7 @@ pub fn main() -> ExitCode {
         Command::Render(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Fill(command) => command.run(),
+        Command::Import(command) => command.run(),
         Command::Sequence(command) => command.run(),
         Command::Bench(command) => command.run(),
         Command::New(command) => command.run(),

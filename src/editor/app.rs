@@ -22,6 +22,7 @@ use super::{
     theme,
     viewport::{ViewCommand, ViewSettings, Viewport},
 };
+use crate::scene::Volume;
 
 /// What the editor starts with.
 #[derive(Debug, Clone)]
@@ -203,7 +204,10 @@ impl Editor {
     fn take_in(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            self.ask(ctx, Then::Open(path));
+            match Volume::is_named(&path) {
+                true => self.add_volume(&path),
+                false => self.ask(ctx, Then::Open(path)),
+            }
         }
         for ended in self.jobs.go_on(ctx) {
             match ended {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{Context, ViewportCommand};
 
 use super::{
-    Document,
+    Document, Selection,
     app::Editor,
     asking::{Dialog, Then},
     choosing::Purpose,
@@ -14,7 +14,7 @@ use super::{
     palette::Answer,
     viewport::ViewCommand,
 };
-use crate::scene::Scene;
+use crate::scene::{Cloud, Scene, Volume};
 
 impl Editor {
     /// What the editor begins with.
@@ -94,6 +94,34 @@ impl Editor {
                 self.notices.problem(error);
             }
         }
+    }
+
+    /// Adds a cloud that is the volume in a file; where it would reach below the ground, above that.
+    pub(super) fn add_volume(&mut self, path: &Path) {
+        let folder = self.session.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let (file, up) = (Volume::path_from(&folder, path), Volume::usual_up(path));
+        let mut volume = Volume { file, up, ..Volume::default() };
+        if let Err(error) = volume.read(&folder) {
+            return self.notices.problem(error);
+        }
+        if let Some(grid) = volume.read_grid() {
+            volume.extinction = Volume::usual_extinction(grid);
+        }
+        let ground = self.document.scene().ground.altitude;
+        if let Some((low, high)) = volume.bounds().filter(|(low, _)| low.y < ground) {
+            volume.place.y += ground - low.y + (high.y - low.y);
+        }
+        let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let cloud = Cloud::of_volume(&name, volume);
+        let added = Scene { clouds: vec![cloud.clone()], ..self.document.scene().clone() };
+        if let Err(error) = added.validate() {
+            return self.notices.problem(error);
+        }
+        self.document.edit_and_select("Add a volume", |scene, selection| {
+            scene.clouds.push(cloud);
+            *selection = Selection::cloud(scene, scene.clouds.len() - 1);
+        });
+        self.notices.news(format!("Added {}.", path.display()));
     }
 
     /// Saves to the file, or to one that is asked for; then goes on with `then`.

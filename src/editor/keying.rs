@@ -39,7 +39,7 @@ impl Keying {
             "Sun" => sun(),
             "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),
             "Cloud" | "Ellipsoid" | "Lightning" => object.clone(),
-            "Edge" | "Droplets" | "Life" | "Growth" => format!("{object}.{}", kind.to_lowercase()),
+            "Edge" | "Droplets" | "Life" | "Growth" | "Volume" => format!("{object}.{}", kind.to_lowercase()),
             "Phase" => format!("{object}.droplets.phase"),
             _ => return None,
         };

@@ -113,7 +113,11 @@ fn is_held(copy: &Path) -> bool {
 
 fn read(copy: &Path) -> Option<Kept> {
     let at = fs::metadata(copy).and_then(|found| found.modified()).unwrap_or(UNIX_EPOCH);
-    let Copy { file, scene } = serde_json::from_str(&fs::read_to_string(copy).ok()?).ok()?;
+    let Copy { file, mut scene } = serde_json::from_str(&fs::read_to_string(copy).ok()?).ok()?;
     scene.validate().ok()?;
+    let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    if let Err(problem) = scene.read_volumes(folder) {
+        tracing::warn!(%problem, "a volume of what was left behind could not be read");
+    }
     Some(Kept { file, scene, at, copy: copy.to_owned() })
 }

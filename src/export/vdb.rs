@@ -1,10 +1,7 @@
 //! OpenVDB, the film industry's sparse volumes: one float grid, zip compressed.
 //!
-//! The format is that of version 224, as OpenVDB 7 and later write it
-//! (`openvdb/io/Archive.cc`, `tree/*Node.h`, `io/Compression.h`). A tree of 32^3, 16^3 and 8^3
-//! children: blocks of voxels are its leaves. First comes the topology of the whole tree, then
-//! the values of its leaves. Each array of values says by a byte which of them are there: here
-//! always those of active voxels, the others being the background, 0.
+//! The format is that of version 224, as OpenVDB 7 and later write it. Each array of values says by a byte
+//! which of them are there: here always those of active voxels, the others being the background, 0.
 
 use std::{
     collections::BTreeMap,
@@ -19,40 +16,13 @@ use crate::{
     Result,
     files::write_whole,
     render::{BLOCK_VOXELS, Block, Voxels},
+    vdb::{ACTIVE_MASK, LOWER, Level, MAGIC, ONLY_ACTIVE, UPPER, UPPER_EDGE, ZIP},
 };
 
-const MAGIC: u64 = 0x5644_4220;
 const FORMAT: u32 = 224;
 const LIBRARY: [u32; 2] = [10, 0];
 /// Zip, and only active values are written.
-const COMPRESSION: u32 = 1 | 2;
-/// All inactive values are the background.
-const ONLY_ACTIVE: u8 = 0;
-/// Base two logarithms of children along each axis, and of voxels along the edge of a child.
-const UPPER: Level = Level { children: 5, voxels: 7 };
-const LOWER: Level = Level { children: 4, voxels: 3 };
-/// Voxels of the upper node, along an axis.
-const UPPER_EDGE: i32 = 4096;
-
-/// Inner nodes of one height.
-#[derive(Clone, Copy)]
-struct Level {
-    children: u32,
-    voxels: u32,
-}
-
-impl Level {
-    /// Place in a node's array of the child that holds a voxel.
-    fn place(self, voxel: IVec3) -> usize {
-        let mask = (1 << self.children) - 1;
-        let [x, y, z] = voxel.to_array().map(|i| (i >> self.voxels & mask) as usize);
-        (x << (2 * self.children)) | (y << self.children) | z
-    }
-
-    fn count(self) -> usize {
-        1 << (3 * self.children)
-    }
-}
+const COMPRESSION: u32 = ZIP | ACTIVE_MASK;
 
 /// Blocks of the lower nodes of upper nodes, each by its place, upper ones by their origin.
 type Tree<'a> = BTreeMap<[i32; 3], BTreeMap<usize, BTreeMap<usize, &'a Block>>>;

@@ -75,6 +75,7 @@ impl Frame {
         for cloud in &mut moved.clouds {
             cloud.ellipsoids = cloud.visible().cloned().collect();
             cloud.layer = cloud.layer.take().filter(|_| !cloud.hidden);
+            cloud.volume = cloud.volume.take().filter(|_| !cloud.hidden);
         }
         let sun = Sun::new(&moved.sun);
         let frame = Self {
@@ -186,9 +187,18 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);
             frames.push(CloudFrame { origin, half, medium });
         }
+        if let Some(volume) = cloud.volume.as_ref().filter(|volume| volume.read_grid().is_none()) {
+            return Err(volume.unread());
+        }
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let medium = Shared::new(Medium::new(cloud, &scene.noise, (min, max), origin)?);
+        let medium = match &cloud.volume {
+            // What lets all light through is not there.
+            Some(volume) if volume.extinction <= 0.0 => continue,
+            Some(volume) => Medium::of_volume(cloud, volume, &scene.noise, (min, max), origin)?,
+            None => Medium::new(cloud, &scene.noise, (min, max), origin)?,
+        };
+        let medium = Shared::new(medium);
         frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium });
     }
     Ok(frames)

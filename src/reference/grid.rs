@@ -4,7 +4,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use crate::frame::medium::{BodyUniform, EllipsoidUniform, LayerShape};
+use crate::frame::medium::{BodyUniform, EllipsoidUniform, LayerShape, World};
 
 /// `Cell` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -41,9 +41,18 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// The grid of what a world has.
+    pub fn of(world: &World, cells: u32) -> Self {
+        match &world.layer {
+            Some(layer) => Self::of_layer(layer, &world.bodies[0]),
+            None => Self::new(world, cells),
+        }
+    }
+
     /// A grid of about `cells` cubes around the ellipsoids: as fine in a flat layer as in a heap,
     /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
-    pub fn new(ellipsoids: &[EllipsoidUniform], bodies: &[BodyUniform], cells: u32) -> Self {
+    fn new(world: &World, cells: u32) -> Self {
+        let ellipsoids = &world.ellipsoids;
         let (low, high) = EllipsoidUniform::bounds(ellipsoids);
         let extent = high - low;
         let even = (extent.x * extent.y * extent.z / cells as f32).cbrt();
@@ -53,7 +62,7 @@ impl Grid {
         for z in 0..size.z {
             for y in 0..size.y {
                 for x in 0..size.x {
-                    grid.push(ellipsoids, bodies, UVec3::new(x, y, z));
+                    grid.push(world, UVec3::new(x, y, z));
                 }
             }
         }
@@ -63,7 +72,7 @@ impl Grid {
 
     /// A grid over a period of a layer, which repeats along x and z as the layer does: as many cells as squares of the
     /// field whose greatest values are known.
-    pub fn of_layer(layer: &LayerShape, body: &BodyUniform) -> Self {
+    fn of_layer(layer: &LayerShape, body: &BodyUniform) -> Self {
         let half = layer.half().as_vec3();
         let squares = layer_squares(half);
         let cell = 2.0 * half.x / squares as f32;
@@ -85,7 +94,8 @@ impl Grid {
         Self { low: -half, cell, size, cells, candidates: vec![0] }
     }
 
-    fn push(&mut self, ellipsoids: &[EllipsoidUniform], bodies: &[BodyUniform], index: UVec3) {
+    fn push(&mut self, world: &World, index: UVec3) {
+        let World { ellipsoids, bodies, .. } = world;
         let middle = self.low + (index.as_vec3() + 0.5) * self.cell;
         // Half the diagonal, and the little that a step goes beyond its cell.
         let radius = 0.8662 * self.cell;
@@ -98,8 +108,12 @@ impl Grid {
             let e = &ellipsoids[i as usize];
             e.extinction * bodies[e.body as usize].most_profile(top)
         };
-        let majorant = list.iter().map(most).fold(0.0, f32::max);
-        self.cells.push(Cell { first: first as u32, count: list.len() as u32, majorant, clear: 0 });
+        let mut majorant = list.iter().map(most).fold(0.0, f32::max);
+        if let Some(volume) = world.volume.as_ref().filter(|_| majorant > 0.0) {
+            majorant = volume.most_within(middle, radius);
+        }
+        let count = if majorant > 0.0 { list.len() as u32 } else { 0 };
+        self.cells.push(Cell { first: first as u32, count, majorant, clear: 0 });
     }
 
     /// Tells each empty cell how many cells around it are empty, too, in the chessboard's metric; beyond the
@@ -134,6 +148,10 @@ mod tests {
     use crate::scene::{Cloud, Ellipsoid, Noise};
     use glam::{DQuat, DVec3};
 
+    fn world(ellipsoids: Vec<EllipsoidUniform>, bodies: Vec<BodyUniform>) -> World {
+        World { origin: DVec3::ZERO, ellipsoids, species: Vec::new(), bodies, layer: None, volume: None }
+    }
+
     #[test]
     fn every_point_of_an_ellipsoid_is_in_a_cell_that_lists_it() {
         let cloud = Cloud::default();
@@ -151,7 +169,7 @@ mod tests {
         let noise = NoiseFrame::new(&Noise::default(), 100.0, DVec3::ZERO);
         let species = Species::of(&cloud.droplets).unwrap().uniform();
         let body = BodyUniform::new(&cloud, bounds, 0.0, noise, species, true);
-        let grid = Grid::new(&ellipsoids, &[body], 4000);
+        let grid = Grid::of(&world(ellipsoids.clone(), vec![body]), 4000);
         for i in 0..2000u32 {
             // A spiral through each ellipsoid's inside.
             let t = (f64::from(i) + 0.5) / 2000.0;
@@ -170,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_ellipsoids_has_one_empty_cell() {
-        let grid = Grid::new(&[], &[], 4000);
+        let grid = Grid::of(&world(Vec::new(), Vec::new()), 4000);
         assert!(grid.cells.iter().all(|cell| cell.count == 0 && cell.majorant == 0.0));
     }
 }

@@ -131,14 +131,12 @@ impl PathTracer {
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
         check_alone(frame)?;
+        World::check_volumes(frame, "path traced")?;
         let further =
             frame.lit_apart().into_iter().map(|(_, frame)| Self::with_options(gpu, &frame, options));
         let further = further.collect::<Result<_>>()?;
         let world = World::new(frame);
-        let grid = match &world.layer {
-            Some(layer) => Grid::of_layer(layer, &world.bodies[0]),
-            None => Grid::new(&world.ellipsoids, &world.bodies, CELLS),
-        };
+        let grid = Grid::of(&world, CELLS);
         let uniform = SceneUniform {
             low: grid.low,
             cell: grid.cell,

@@ -9,7 +9,7 @@ use crate::{
         Shared,
         medium::{
             Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, LAYER, LayerShape, Medium, Plan, Tile,
-            TileTextures, upload_noise,
+            TileTextures, VOLUME, VolumeBricks, VolumeTextures, upload_noise,
         },
     },
     gpu::{ComputeProgram, Role, Shader, view},
@@ -30,6 +30,8 @@ pub(super) struct Media {
     bake: Option<ComputeProgram>,
     /// Fields of layers.
     tiles: Vec<(Shared<Tile>, TileTextures)>,
+    /// Bricks of volumes of files, with the last picture that each was in.
+    bricks: Vec<(Shared<VolumeBricks>, VolumeTextures, u64)>,
     /// By shape, with the last picture that each was in.
     volumes: HashMap<u64, (Volume, u64)>,
 }
@@ -70,6 +72,7 @@ impl Media {
             layouts: HashMap::new(),
             bake: None,
             tiles: Vec::new(),
+            bricks: Vec::new(),
             volumes: HashMap::new(),
         }
     }
@@ -85,12 +88,13 @@ impl Media {
             !list.is_empty()
         });
         self.volumes.retain(|_, (_, picture)| *picture >= oldest);
+        self.bricks.retain(|(_, _, picture)| *picture >= oldest);
     }
 
     /// Plans the volumes of those `media` that have enough ellipsoids and none yet.
     pub fn plan<'a>(&mut self, media: impl Iterator<Item = &'a Medium>) {
         let many = u64::from(self.bake_from);
-        let has_many = |medium: &&Medium| medium.layer.is_none() && medium.ellipsoids.len() as u64 >= many;
+        let has_many = |medium: &&Medium| medium.is_of_ellipsoids() && medium.ellipsoids.len() as u64 >= many;
         for medium in media.filter(has_many) {
             let has_room = self.bytes() < MOST_BYTES;
             let planned = || match Plan::new(&medium.ellipsoids, medium.body.level).filter(|_| has_room) {
@@ -103,7 +107,7 @@ impl Media {
 
     /// Whether a medium has a volume of depths.
     pub fn is_baked(&self, medium: &Medium) -> bool {
-        medium.layer.is_none()
+        medium.is_of_ellipsoids()
             && medium.ellipsoids.len() as u64 >= u64::from(self.bake_from)
             && self.volumes.get(&medium.shape).is_some_and(|(volume, _)| !matches!(volume, Volume::Unsuited))
     }
@@ -112,6 +116,7 @@ impl Media {
     pub fn role(&self, medium: &Medium) -> Role<'static> {
         match &medium.layer {
             Some(_) => LAYER,
+            None if medium.volume.is_some() => VOLUME,
             None if self.is_baked(medium) => DEPTH_VOLUME,
             None => ELLIPSOIDS,
         }
@@ -120,6 +125,9 @@ impl Media {
     /// Makes what shaders bind for `medium`, where it is not there.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, medium: &Shared<Medium>) {
         let (role, picture) = (self.role(medium), self.picture);
+        if let Some(volume) = &medium.volume {
+            self.keep_bricks(&volume.bricks);
+        }
         let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();
         let mut known = known.filter(|kept| kept.role == role && kept.medium == *medium);
         if let Some(kept) = known.next() {
@@ -139,6 +147,24 @@ impl Media {
         let known = self.kept.get(&medium.fingerprint).into_iter().flatten();
         let found = known.into_iter().find(|kept| kept.role == role && kept.medium == *medium);
         &found.expect("media of clouds in the picture are prepared before their light").group
+    }
+
+    /// Uploads the bricks of a volume where they are not there, and keeps them.
+    fn keep_bricks(&mut self, bricks: &Shared<VolumeBricks>) -> &VolumeTextures {
+        let known = self.bricks.iter().position(|(known, ..)| known.is(bricks));
+        let place = known.unwrap_or_else(|| {
+            let textures = bricks.upload(&self.device, &self.queue);
+            self.bricks.push((bricks.clone(), textures, 0));
+            self.bricks.len() - 1
+        });
+        let (_, textures, picture) = &mut self.bricks[place];
+        *picture = self.picture;
+        textures
+    }
+
+    /// Memory of the bricks of volumes of files, bytes.
+    pub fn brick_bytes(&self) -> u64 {
+        self.bricks.iter().map(|(bricks, ..)| bricks.bytes()).sum()
     }
 
     /// Memory of all baked volumes, bytes.
@@ -171,6 +197,10 @@ impl Media {
         if let Some(layer) = &medium.layer {
             let tile = tile(&mut self.tiles, device, queue, layer);
             return common.bind_layer(device, &layout, &layer.uniform, &tile);
+        }
+        if let Some(volume) = &medium.volume {
+            let textures = self.keep_bricks(&volume.bricks).clone();
+            return common.bind_volume(&self.device, &layout, &volume.uniform, &textures);
         }
         let Some((volume, _)) = self.volumes.get_mut(&medium.shape).filter(|_| role == DEPTH_VOLUME) else {
             return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);

@@ -1,18 +1,18 @@
-//! A cloud: ellipsoids that share their water, or a layer.
+//! A cloud: ellipsoids that share their water, a layer, or a volume.
 
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, union};
+use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
 const LEAST_SEEN: f64 = 0.2;
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
-/// A cloud: the union of its ellipsoids, or a layer, filled with droplets of one kind.
+/// A cloud: the union of its ellipsoids, a layer, or a volume, filled with droplets of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloud {
@@ -28,6 +28,9 @@ pub struct Cloud {
     /// A sheet or a deck to the horizon, in place of `ellipsoids` and `growth`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<Layer>,
+    /// Density that another program made, in place of `ellipsoids`, `growth` and `layer`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<Volume>,
     /// The water of the cloud.
     pub droplets: Droplets,
     /// The edge of every ellipsoid that has none of its own.
@@ -74,6 +77,7 @@ impl Default for Cloud {
             growth: None,
             ellipsoids: Vec::new(),
             layer: None,
+            volume: None,
             droplets: Droplets::default(),
             edge: Edge::default(),
             blend: 0.5,
@@ -93,6 +97,11 @@ impl Cloud {
     /// A layer.
     pub fn layered(name: &str, layer: Layer) -> Self {
         Self { name: name.to_owned(), layer: Some(layer), ..Self::default() }
+    }
+
+    /// A volume.
+    pub fn of_volume(name: &str, volume: Volume) -> Self {
+        Self { name: name.to_owned(), volume: Some(volume), ..Self::default() }
     }
 
     /// A cloud that grows, with its ellipsoids.
@@ -123,6 +132,9 @@ impl Cloud {
         if let Some(layer) = &mut self.layer {
             layer.shift(offset);
         }
+        if let Some(volume) = &mut self.volume {
+            volume.place += offset;
+        }
         match &mut self.growth {
             Some(growth) => {
                 growth.place += offset;
@@ -135,14 +147,15 @@ impl Cloud {
         }
     }
 
-    /// Exact axis-aligned bounds of all ellipsoids above its level, metres; `None` without ellipsoids.
+    /// Exact axis-aligned bounds of all ellipsoids above its level, or of its volume, metres; `None` without any.
     pub fn bounds(&self) -> Option<Bounds> {
-        self.bounds_of(self.ellipsoids.iter())
+        self.bounds_of(self.ellipsoids.iter()).or_else(|| self.volume.as_ref()?.bounds())
     }
 
     /// The same of those that pictures show.
     pub fn visible_bounds(&self) -> Option<Bounds> {
-        self.bounds_of(self.visible())
+        let volume = self.volume.as_ref().filter(|_| !self.hidden);
+        self.bounds_of(self.visible()).or_else(|| volume?.bounds())
     }
 
     fn bounds_of<'a>(&self, ellipsoids: impl Iterator<Item = &'a Ellipsoid>) -> Option<Bounds> {
@@ -154,7 +167,7 @@ impl Cloud {
 
     /// Whether there is nothing of it.
     pub fn is_empty(&self) -> bool {
-        self.ellipsoids.is_empty() && self.layer.is_none()
+        self.ellipsoids.is_empty() && self.layer.is_none() && self.volume.is_none()
     }
 
     /// The ellipsoids that pictures show.
@@ -178,7 +191,10 @@ impl Cloud {
     pub(super) fn check(&self, at: At) -> Result<()> {
         let list = at.field("ellipsoids");
         if self.layer.is_some() {
-            self.check_alone(at)?;
+            self.check_layer_alone(at)?;
+        }
+        if self.volume.is_some() {
+            self.check_volume_alone(at)?;
         }
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
             ellipsoid.check(list.index(i))?;
@@ -195,6 +211,9 @@ impl Cloud {
         }
         if let Some(layer) = &self.layer {
             layer.check(at.field("layer"))?;
+        }
+        if let Some(volume) = &self.volume {
+            volume.check(at.field("volume"))?;
         }
         at.field("blend").number(self.blend, SHARE)?;
         if let Some(level) = self.level {
@@ -213,19 +232,45 @@ impl Cloud {
     }
 
     /// Checks that nothing is told that a layer does not have.
-    fn check_alone(&self, at: At) -> Result<()> {
+    fn check_layer_alone(&self, at: At) -> Result<()> {
         let others = [
             ("growth", self.growth.is_some(), "leave it out, or make a second cloud that grows"),
             ("ellipsoids", !self.ellipsoids.is_empty(), "leave out one of them, or make two clouds"),
             ("level", self.level.is_some(), "leave it out: the layer's `base` is where it begins"),
             ("life", self.life.is_some(), "leave it out, and animate the layer's `coverage`"),
             ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
+            ("volume", self.volume.is_some(), "leave out one of them, or make two clouds"),
         ];
-        match others.into_iter().find(|(_, is_there, _)| *is_there) {
-            Some((name, _, way_out)) => Err(
-                at.problem(format!("it has both `layer` and `{name}`, which layers do not have: {way_out}"))
-            ),
-            None => Ok(()),
-        }
+        alone(at, ["layer", "layers"], others)
+    }
+
+    /// Checks that nothing is told that a volume does not have.
+    fn check_volume_alone(&self, at: At) -> Result<()> {
+        let both = "leave out one of them, or make two clouds";
+        let file = "leave it out: what is in the file is drawn as it is";
+        let others = [
+            ("growth", self.growth.is_some(), both),
+            ("ellipsoids", !self.ellipsoids.is_empty(), both),
+            ("level", self.level.is_some(), file),
+            ("life", self.life.is_some(), "leave it out, and animate the volume's `extinction`"),
+            ("evaporation", !self.evaporation.is_none(), file),
+            ("stratification", self.stratification > 0.0, file),
+            ("dilution", self.dilution > 0.0, file),
+        ];
+        alone(at, ["volume", "volumes"], others)
+    }
+}
+
+/// Refuses what a cloud of a shape, one and many, does not have: what it is, whether it is there, and the way out.
+fn alone<'a>(
+    at: At,
+    [shape, shapes]: [&str; 2],
+    others: impl IntoIterator<Item = (&'a str, bool, &'a str)>,
+) -> Result<()> {
+    match others.into_iter().find(|(_, is_there, _)| *is_there) {
+        Some((name, _, way_out)) => Err(
+            at.problem(format!("it has both `{shape}` and `{name}`, which {shapes} do not have: {way_out}"))
+        ),
+        None => Ok(()),
     }
 }

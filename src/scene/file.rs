@@ -41,7 +41,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::File`] where the file cannot be read, [`Error::Format`] where it is
-    /// too large, otherwise as [`Scene::from_json`].
+    /// too large, otherwise as [`Scene::from_json`] and [`Scene::read_volumes`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes =
@@ -51,7 +51,26 @@ impl Scene {
             return Err(refused(format!("is larger than {} MiB: no scene file", MAX_BYTES >> 20)));
         }
         let text = String::from_utf8(bytes).map_err(|error| refused(encoding(&error)))?;
-        Self::from_json(&text)
+        let mut scene = Self::from_json(&text)?;
+        scene.read_volumes(folder_of(path))?;
+        Ok(scene)
+    }
+
+    /// Reads the files of its volumes, whose paths start from `folder`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with the JSON path of the first volume that can't be read, and why.
+    pub fn read_volumes(&mut self, folder: &Path) -> Result<()> {
+        let root = validate::At::Root;
+        let list = root.field("clouds");
+        for (i, cloud) in self.clouds.iter_mut().enumerate() {
+            let Some(volume) = &mut cloud.volume else { continue };
+            let at = list.index(i);
+            let at = at.field("volume");
+            volume.read(folder).map_err(|error| at.problem(error.to_string()))?;
+            volume.check(at)?;
+        }
+        Ok(())
     }
 
     /// The scene as JSON: indented, vectors on one line, fields in the order of the
@@ -68,13 +87,22 @@ impl Scene {
     /// Validates the scene and writes it as JSON.
     ///
     /// Other programs see the old file or the new one, never a half: the text goes to
-    /// a file beside it, which then takes its name. After an error the old file is as it was.
+    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of volumes that were
+    /// read are told from the folder of the file.
     ///
     /// # Errors
     /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
-        write_whole(path.as_ref(), |file| file.write_all(self.to_json().as_bytes()))
+        let path = path.as_ref();
+        let text = if self.clouds.iter().any(|cloud| cloud.volume.is_some()) {
+            let mut written = self.clone();
+            written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder_of(path)));
+            written.to_json()
+        } else {
+            self.to_json()
+        };
+        write_whole(path, |file| file.write_all(text.as_bytes()))
     }
 
     /// Grows the clouds of a file that say how. Their numbers are looked at first: nothing grows from bad ones.
@@ -125,7 +153,15 @@ impl Scene {
         for ellipsoid in self.clouds.iter_mut().flat_map(|cloud| &mut cloud.ellipsoids) {
             ellipsoid.orientation = validate::unit(ellipsoid.orientation);
         }
+        for volume in self.volumes_mut() {
+            volume.orientation = validate::unit(volume.orientation);
+        }
     }
+}
+
+/// The folder of a file: that of the program where the file is the standard input.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// The JSON Schema (draft 2020-12) of scene files.

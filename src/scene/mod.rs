@@ -23,6 +23,7 @@ mod sun;
 pub mod timeline;
 mod tone;
 mod validate;
+mod volume;
 mod whole;
 mod wind;
 
@@ -49,6 +50,7 @@ pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use timeline::Timeline;
 pub use tone::{Tone, ToneCurve};
+pub use volume::{Brick, Endian, Opened, Up, Volume};
 pub use wind::Wind;
 
 use crate::Result;
@@ -152,8 +154,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Exact axis-aligned bounds of all ellipsoids at time 0, metres; `None` without ellipsoids. Layers
-    /// have none.
+    /// Axis-aligned bounds of all ellipsoids (exact) and volumes at time 0, metres; `None` without any. Layers
+    /// have none, and volumes that were not read.
     pub fn bounds(&self) -> Option<Bounds> {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
@@ -174,6 +176,11 @@ impl Scene {
     /// The layers that are not hidden.
     pub fn layers(&self) -> impl Iterator<Item = &Layer> {
         self.clouds.iter().filter(|cloud| !cloud.hidden).filter_map(|cloud| cloud.layer.as_ref())
+    }
+
+    /// The volumes of all clouds.
+    pub fn volumes_mut(&mut self) -> impl Iterator<Item = &mut Volume> {
+        self.clouds.iter_mut().filter_map(|cloud| cloud.volume.as_mut())
     }
 
     /// Everything that shapes boundaries: the scene's noise, and the clouds' own.

@@ -245,6 +245,37 @@ fn drop_file(window: &mut Window<'_>, path: &Path) {
 }
 
 #[test]
+fn a_volume_that_is_dropped_is_added_with_its_numbers_and_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Sphere);
+    let volume = folder.path().join("smoke.vdb");
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/grids.vdb"), &volume).unwrap();
+    let mut window = open(folder.path(), Some(&path));
+    drop_file(&mut window, &volume);
+    assert_eq!(window.state().scene().clouds.len(), 2, "{}", told(&mut window));
+    let added = |window: &Window<'_>| window.state().scene().clouds[1].volume.clone().unwrap();
+    assert_eq!(added(&window).file, "smoke.vdb");
+    assert!(window.state().scene().clouds[1].bounds().unwrap().0.y >= 0.0, "it stands above the ground");
+    // It was selected: the inspector has its numbers.
+    window.get_by_label_contains("`density` of smoke.vdb");
+    enter(&mut window, "Extinction at 1", "0.25");
+    assert_eq!(added(&window).extinction, 0.25);
+    assert!(added(&window).read_grid().is_some());
+    window.run_steps(4);
+    shoot(&mut window, "volume");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert!(!dirty(&mut window), "{}", told(&mut window));
+    let saved = Scene::load(&path).unwrap();
+    assert!(saved.clouds[1].volume.as_ref().unwrap().read_grid().is_some());
+    // What is no volume is told, and nothing is added.
+    let bad = folder.path().join("bad.vdb");
+    fs::write(&bad, b"nothing").unwrap();
+    drop_file(&mut window, &bad);
+    assert_eq!(window.state().scene().clouds.len(), 2);
+    assert!(told(&mut window).contains("bad.vdb"), "{}", told(&mut window));
+}
+
+#[test]
 fn a_read_only_file_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Kol);

@@ -35,3 +35,4 @@ mod truth_sampling;
 mod units;
 mod volumes;
 mod volumes_drawn;
+mod volumes_in;

@@ -16,7 +16,7 @@ use nephos::{
 };
 
 /// Sharp and wispy edges, thin enough for Monte Carlo; only the sun shines, with irradiance 1.
-const CLOUD: &str = r#"{"clouds":[{"edge":{"boundary":45,"wispiness":0.3},
+pub const CLOUD: &str = r#"{"clouds":[{"edge":{"boundary":45,"wispiness":0.3},
     "droplets":{"concentration_per_cm3":80,"phase":{"henyey_greenstein":{"g":0.3}}},"ellipsoids":[
         {"center":[0,1000,0],"radii":[150,80,110]},
         {"center":[90,1080,10],"radii":[80,70,70],"edge":{"boundary":40,"wispiness":0.2}},

@@ -484,3 +484,42 @@ fn auto_exposure_is_told_and_can_be_given_by_hand() {
         assert!(text.contains(thing) && text.contains("leave it out"), "{text}");
     }
 }
+
+#[test]
+fn import_tells_what_is_in_a_volume_and_makes_a_scene_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (volume, scene) = (in_folder(&folder, "some.vdb"), in_folder(&folder, "some.json"));
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/grids.vdb"), &volume).unwrap();
+    let text = told(&["import", &volume]);
+    for word in
+        ["density", "tiles", "not empty", "voxels of 0.5000 x 0.5000 x 0.5000 m", "level set", "vec3s"]
+    {
+        assert!(text.contains(word), "{text}\n  lacks {word}");
+    }
+    let text =
+        told(&["import", &volume, "-o", &scene, "--extinction", "0.2", "--up", "z", "--at", "0,-500,0"]);
+    assert!(text.contains("extinction 0.2 a metre") && text.contains("below the ground"), "{text}");
+    let read = Scene::load(&scene).unwrap();
+    let cloud = read.clouds[0].volume.as_ref().unwrap();
+    assert_eq!(
+        (cloud.file.as_str(), cloud.grid.as_deref(), cloud.extinction),
+        ("some.vdb", Some("density"), 0.2)
+    );
+    assert!(read.bounds().is_some());
+    // A brick has no head to tell it by.
+    let brick = in_folder(&folder, "brick.raw");
+    fs::write(&brick, [0.5f32; 24].iter().flat_map(|x| x.to_be_bytes()).collect::<Vec<_>>()).unwrap();
+    assert!(complaint(&["import", &brick], 1).contains("no volume that is read"));
+    let words = ["import", &brick, "--size", "2,3,4", "--voxel", "10,10,20"];
+    assert!(complaint(&words, 1).contains("other order"));
+    let text = told(&[&words[..], &["--endian", "big", "-o", &scene]].concat());
+    assert!(
+        text.contains("2 x 3 x 4 voxels of 10.0000 x 10.0000 x 20.0000 m, 24 not empty, up to 0.5000"),
+        "{text}"
+    );
+    assert!(Scene::load(&scene).unwrap().bounds().is_some());
+    assert!(complaint(&["import", &brick, "--size", "2,3,4.5"], 1).contains("whole numbers"));
+    assert!(
+        complaint(&["import", &volume, "-o", &scene, "--grid", "fire"], 1).contains("has no grid `fire`")
+    );
+}

@@ -18,3 +18,5 @@ mod shaders;
 mod slab;
 mod slab_tables;
 mod timeline;
+#[cfg(feature = "import")]
+mod volumes;

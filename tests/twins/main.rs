@@ -34,6 +34,7 @@ mod slab;
 mod solve;
 mod table;
 mod textbook;
+mod volume;
 
 use harness::{Regime, Twin, error};
 use nephos::frame::MEDIA;
@@ -94,6 +95,7 @@ fn twins() -> Vec<Twin> {
         light::twins(),
         solve::twins(),
         path::twins(),
+        volume::twins(),
     ]
     .into_iter()
     .flatten()

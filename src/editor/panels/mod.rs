@@ -10,6 +10,7 @@ mod sun;
 mod sun_dial;
 pub(super) mod timeline;
 mod view;
+mod volume;
 mod world;
 
 use eframe::egui::{self, RichText, Ui};

@@ -4,7 +4,7 @@ use eframe::egui::{DragValue, Ui};
 use egui_phosphor::regular as icon;
 use glam::DVec3;
 
-use super::{apply, growth::growth, hint, layer::layer, section};
+use super::{apply, growth::growth, hint, layer::layer, section, volume::volume};
 use crate::{
     editor::{
         Document, EllipsoidId,
@@ -41,6 +41,11 @@ impl ObjectPanel {
             section(ui, "Grow heaps", false, |ui| self.grow(ui, document));
         }
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
+        if cloud.volume.is_some() {
+            section(ui, "Volume", true, |ui| volume(ui, document, index, &cloud));
+            section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
+            return;
+        }
         let is_layer = cloud.layer.is_some();
         section(ui, "Layer", is_layer, |ui| layer(ui, document, index, &cloud));
         if !is_layer {
@@ -50,7 +55,7 @@ impl ObjectPanel {
         if !is_layer {
             section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
         }
-        section(ui, "Droplets", true, |ui| droplets(ui, document, index, cloud.droplets.clone()));
+        section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
     }
 
     fn grow(&mut self, ui: &mut Ui, document: &mut Document) {
@@ -171,13 +176,20 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
     form.text("Cloud.name", "Name", &mut cloud.name, "cloud");
     let own = cloud.ellipsoids.iter().filter(|ellipsoid| ellipsoid.edge.is_some()).count();
     let is_used = cloud.ellipsoids.is_empty() || own < cloud.ellipsoids.len();
-    edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest, is_used);
-    let default = Cloud::default();
-    if cloud.layer.is_none() {
-        shape_rows(&mut form, &mut cloud, document.scene().wind.velocity);
+    if cloud.volume.is_none() {
+        edge_rows(&mut form, &mut cloud.edge, &Edge::default(), widest, is_used);
+        let default = Cloud::default();
+        if cloud.layer.is_none() {
+            shape_rows(&mut form, &mut cloud, document.scene().wind.velocity);
+        }
+        form.number(
+            "Cloud.stratification",
+            "Stratification",
+            &mut cloud.stratification,
+            default.stratification,
+        );
+        form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
     }
-    form.number("Cloud.stratification", "Stratification", &mut cloud.stratification, default.stratification);
-    form.number("Cloud.dilution", "Dilution", &mut cloud.dilution, default.dilution);
     form.check("Cloud.hidden", "Hidden", &mut cloud.hidden, false);
     form.check("Cloud.locked", "Locked", &mut cloud.locked, false);
     let change = form.changed();
@@ -258,16 +270,20 @@ fn life(ui: &mut Ui, document: &mut Document, index: usize, mut life: Option<Lif
     apply(document, change, |scene| scene.clouds[index].life = own.then_some(rows));
 }
 
-fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Droplets) {
-    let default = Droplets::default();
+fn droplets(ui: &mut Ui, document: &mut Document, index: usize, cloud: &Cloud) {
+    let (mut water, default) = (cloud.droplets.clone(), Droplets::default());
     let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
-    form.slider(
-        "Droplets.concentration_per_cm3",
-        "Concentration",
-        &mut water.concentration_per_cm3,
-        default.concentration_per_cm3,
-        0.0..=1000.0,
-    );
+    // A volume tells by itself how dense it is.
+    let is_counted = cloud.volume.is_none();
+    if is_counted {
+        form.slider(
+            "Droplets.concentration_per_cm3",
+            "Concentration",
+            &mut water.concentration_per_cm3,
+            default.concentration_per_cm3,
+            0.0..=1000.0,
+        );
+    }
     form.number(
         "Droplets.effective_radius_um",
         "Effective radius",
@@ -286,7 +302,7 @@ fn droplets(ui: &mut Ui, document: &mut Document, index: usize, mut water: Dropl
     form.number("Droplets.albedo", "Albedo", &mut water.albedo, default.albedo);
     let change = form.changed();
     let path = 1.0 / water.extinction();
-    if path.is_finite() {
+    if is_counted && path.is_finite() {
         hint(ui, &format!("Mean free path of light: {path:.1} m"));
     }
     apply(document, change, |scene| scene.clouds[index].droplets = water);

@@ -9,6 +9,7 @@ mod layer;
 mod layer_tile;
 mod noise;
 mod species;
+mod volume;
 mod world;
 
 use std::hash::{DefaultHasher, Hasher};
@@ -29,6 +30,9 @@ pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
+pub(crate) use volume::{Bricks as VolumeBricks, VOLUME, VolumeShape, VolumeTextures, VolumeUniform};
+#[cfg(test)]
+pub(crate) use volume::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
 pub(crate) use world::World;
 
 use crate::{
@@ -40,7 +44,7 @@ use crate::{
 };
 
 /// Modules that fill the role of the medium.
-pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME, LAYER];
+pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME, LAYER, VOLUME];
 
 /// The medium as a union of ellipsoids.
 pub(crate) const ELLIPSOIDS: Role<'static> =
@@ -59,6 +63,8 @@ pub(crate) struct Medium {
     pub body: BodyUniform,
     /// Its shape where it is a layer, and so has no ellipsoids.
     pub layer: Option<LayerShape>,
+    /// Its shape where it is a volume: its ellipsoids hold that, and are not seen.
+    pub volume: Option<VolumeShape>,
     /// Its noise, the size of whose largest features is `scale`, m, as seen from `origin`.
     noise: scene::Noise,
     scale: f64,
@@ -73,6 +79,7 @@ impl PartialEq for Medium {
             && self.ellipsoids == other.ellipsoids
             && self.body == other.body
             && self.layer == other.layer
+            && self.volume == other.volume
             && self.species == other.species
     }
 }
@@ -98,6 +105,7 @@ impl Medium {
             centers: ellipsoids.map(|e| e.center - origin).collect(),
             body,
             layer: None,
+            volume: None,
             noise,
             scale,
             origin,
@@ -142,11 +150,42 @@ impl Medium {
             centers: Vec::new(),
             body,
             layer: Some(shape),
+            volume: None,
             noise,
             scale,
             origin,
             species,
         })
+    }
+
+    /// What a volume is made of, in a frame whose origin is at `origin`, where it lies in the box of `bounds`.
+    ///
+    /// # Errors
+    /// Where it was not read or is too large, or its droplets have no phase function.
+    pub fn of_volume(
+        cloud: &Cloud,
+        volume: &scene::Volume,
+        noise: &scene::Noise,
+        bounds: scene::Bounds,
+        origin: DVec3,
+    ) -> Result<Self> {
+        let shape = VolumeShape::new(volume, origin)?;
+        let mut medium = Self::new(cloud, noise, bounds, origin)?;
+        medium.ellipsoids = shape.proxies(cloud, volume, origin);
+        medium.centers = medium.ellipsoids.iter().map(|proxy| proxy.center.as_dvec3()).collect();
+        let mut hasher = DefaultHasher::new();
+        hasher.write(bytemuck::bytes_of(&shape.uniform));
+        hasher.write(bytemuck::bytes_of(&medium.body));
+        hasher.write_usize(std::ptr::from_ref(&*shape.bricks).addr());
+        medium.fingerprint = hasher.finish();
+        medium.shape = medium.fingerprint;
+        medium.volume = Some(shape);
+        Ok(medium)
+    }
+
+    /// Whether its ellipsoids are its shape.
+    pub fn is_of_ellipsoids(&self) -> bool {
+        self.layer.is_none() && self.volume.is_none()
     }
 
     /// Its ellipsoids moved by `offset`, m, in body `body` of a table.
@@ -247,6 +286,23 @@ impl Common {
     ) -> wgpu::BindGroup {
         let rest = [wgpu::BindingResource::TextureView(&tile.field), tile.peaks.as_entire_binding()];
         self.group(device, layout, &gpu::uniform_buffer(device, "layer", layer), &rest)
+    }
+
+    /// For `shaders/medium/volume.wgsl`.
+    pub fn bind_volume(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        volume: &VolumeUniform,
+        textures: &VolumeTextures,
+    ) -> wgpu::BindGroup {
+        let sampler = gpu::linear_clamp_flat(device);
+        let rest = [
+            textures.index.as_entire_binding(),
+            wgpu::BindingResource::TextureView(&textures.atlas),
+            wgpu::BindingResource::Sampler(&sampler),
+        ];
+        self.group(device, layout, &gpu::uniform_buffer(device, "volume", volume), &rest)
     }
 
     /// For `shaders/medium/depth_volume.wgsl`.

@@ -2,13 +2,17 @@
 
 use glam::DVec3;
 
-use super::{BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Species, upload_noise};
+use super::{
+    BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Species, VOLUME, VolumeShape,
+    upload_noise,
+};
 use crate::{
+    Error, Result,
     frame::{CloudFrame, Frame, Shared},
     gpu::{Gpu, Role, view},
 };
 
-/// The union of all clouds but layers; a layer where that is all there is.
+/// The union of all clouds but layers and volumes; a layer or a volume where that is all there is.
 pub(crate) struct World {
     /// Its origin: the middle of all clouds.
     pub origin: DVec3,
@@ -20,6 +24,8 @@ pub(crate) struct World {
     pub bodies: Vec<BodyUniform>,
     /// The layer.
     pub layer: Option<LayerShape>,
+    /// The volume, which its ellipsoids hold.
+    pub volume: Option<VolumeShape>,
 }
 
 impl World {
@@ -29,15 +35,20 @@ impl World {
         {
             return Self::of_layer(cloud, layer);
         }
+        if let [cloud] = frame.clouds.as_slice()
+            && let Some(volume) = &cloud.medium.volume
+        {
+            return Self::of_volume(cloud, volume);
+        }
         let (low, high) = frame.bounds().unwrap_or_default();
         let origin = 0.5 * (low + high);
         let (mut ellipsoids, mut bodies, mut species) = (Vec::new(), Vec::new(), Vec::new());
-        for cloud in frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none()) {
+        for cloud in frame.clouds.iter().filter(|cloud| cloud.medium.is_of_ellipsoids()) {
             let offset = cloud.origin - origin;
             ellipsoids.extend(cloud.medium.moved(offset, bodies.len() as u32));
             bodies.push(cloud.medium.body_at(offset, cloud.medium.species_among(&mut species)));
         }
-        Self { origin, ellipsoids, species, bodies, layer: None }
+        Self { origin, ellipsoids, species, bodies, layer: None, volume: None }
     }
 
     fn of_layer(cloud: &CloudFrame, layer: &LayerShape) -> Self {
@@ -48,12 +59,45 @@ impl World {
             species: vec![medium.species.clone()],
             bodies: vec![medium.body],
             layer: Some(layer.clone()),
+            volume: None,
         }
+    }
+
+    fn of_volume(cloud: &CloudFrame, volume: &VolumeShape) -> Self {
+        let medium = &cloud.medium;
+        Self {
+            origin: cloud.origin,
+            ellipsoids: medium.ellipsoids.clone(),
+            species: vec![medium.species.clone()],
+            bodies: vec![medium.body],
+            layer: None,
+            volume: Some(volume.clone()),
+        }
+    }
+
+    /// Refuses frames that it is not all of: `done` says what is done to the clouds.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where there is a volume among other clouds.
+    pub fn check_volumes(frame: &Frame, done: &str) -> Result<()> {
+        let volumes = frame.clouds.iter().filter(|cloud| cloud.medium.volume.is_some()).count();
+        if volumes > 0 && frame.clouds.len() > 1 {
+            return Err(Error::Argument(format!(
+                "a volume is {done} only by itself, and the scene shows {volumes} of them among {} clouds: hide all but one \
+                 volume, or the volumes",
+                frame.clouds.len()
+            )));
+        }
+        Ok(())
     }
 
     /// The module that fills the role of the medium.
     pub fn role(&self) -> Role<'static> {
-        if self.layer.is_some() { LAYER } else { ELLIPSOIDS }
+        match (&self.layer, &self.volume) {
+            (Some(_), _) => LAYER,
+            (None, Some(_)) => VOLUME,
+            (None, None) => ELLIPSOIDS,
+        }
     }
 
     /// What shaders bind for it as their group of the medium.
@@ -63,6 +107,10 @@ impl World {
         if let Some(layer) = &self.layer {
             let tile = layer.tile.upload(&gpu.device, &gpu.queue);
             return common.bind_layer(&gpu.device, layout, &layer.uniform, &tile);
+        }
+        if let Some(volume) = &self.volume {
+            let textures = volume.bricks.upload(&gpu.device, &gpu.queue);
+            return common.bind_volume(&gpu.device, layout, &volume.uniform, &textures);
         }
         common.bind_ellipsoids(&gpu.device, layout, &self.ellipsoids)
     }

@@ -42,7 +42,7 @@ fn overlap(a: [f64; 2], b: [f64; 2]) -> bool {
 
 /// For each cloud those others, in order, whose boxes may overlap it as seen along the light
 /// that goes along `along`, and that do not lie wholly behind it: never one too few. Layers, which have no end, are
-/// neither shaded by others nor do they shade them.
+/// neither shaded by others nor do they shade them; volumes are shaded by others and shade none.
 pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
     let (across, aside) = along.any_orthonormal_pair();
     let ranges: Vec<_> =
@@ -55,7 +55,8 @@ pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
             let end = [a, b].iter().all(|&i| clouds[i].medium.layer.is_none());
             if end && overlap(ranges[a][1], ranges[b][1]) {
                 for (shaded, shading) in [(a, b), (b, a)] {
-                    if ranges[shading][2][0] <= ranges[shaded][2][1] {
+                    let casts = clouds[shading].medium.volume.is_none();
+                    if casts && ranges[shading][2][0] <= ranges[shaded][2][1] {
                         found[shaded].push(shading as u32);
                     }
                 }

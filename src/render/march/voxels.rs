@@ -13,7 +13,7 @@ use crate::{
     Error, Result,
     frame::{
         Frame,
-        medium::{ELLIPSOIDS, EllipsoidUniform, World},
+        medium::{EllipsoidUniform, World},
     },
     gpu::{self, ComputeProgram, Gpu},
 };
@@ -127,6 +127,7 @@ impl Voxels {
     /// [`Error::Gpu`] when the device fails.
     pub fn sample(gpu: &Gpu, frame: &Frame, grid: VoxelGrid, progress: &mut dyn FnMut(f64)) -> Result<Self> {
         frame.bounds().ok_or_else(empty)?;
+        World::check_volumes(frame, "written as voxels")?;
         let world = World::new(frame);
         let reached = reached(&world.ellipsoids, world.origin, &grid)?;
         let sampler = Sampler::new(gpu, &world, grid);
@@ -212,7 +213,7 @@ struct Sampler<'a> {
 impl<'a> Sampler<'a> {
     fn new(gpu: &'a Gpu, world: &World, grid: VoxelGrid) -> Self {
         let device = &gpu.device;
-        let program = ComputeProgram::with_roles(device, "voxels", &[ELLIPSOIDS], &[]);
+        let program = ComputeProgram::with_roles(device, "voxels", &[world.role()], &[]);
         let values = vec![[0f32; BLOCK_VOXELS]; BLOCKS_AT_ONCE];
         Self {
             medium: world.bind(gpu, &program.layout(1)),

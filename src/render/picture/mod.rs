@@ -212,6 +212,11 @@ impl Renderer {
         self.media.bytes()
     }
 
+    /// Memory of the bricks of volumes that were read from files, bytes.
+    pub fn brick_bytes(&self) -> u64 {
+        self.media.brick_bytes()
+    }
+
     /// Clouds of the last picture that wait for their light: see [`Settings::lights_at_once`].
     pub fn lights_waiting(&self) -> u32 {
         self.lamps().map(|lamp| lamp.clouds.waiting).sum()
@@ -280,6 +285,8 @@ impl Renderer {
                 let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
                 return Cover::of_layer(&frame.camera, eye, layer, bend);
             }
+            // The index of a volume tells rays where something is.
+            let baked = baked || cloud.medium.volume.is_some();
             let many = if baked { usize::MAX } else { MANY };
             let mut cover = Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many);
             if baked {

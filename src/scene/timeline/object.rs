@@ -75,6 +75,9 @@ impl Object {
                 if let Some(noise) = &mut cloud.noise {
                     noise.rotation = unit(noise.rotation);
                 }
+                if let Some(volume) = &mut cloud.volume {
+                    volume.orientation = unit(volume.orientation);
+                }
                 Self::Cloud(*i, cloud)
             }
             Self::Ellipsoid(i, j, _) => {
@@ -95,8 +98,11 @@ impl Object {
             Self::Cloud(i, shell) => {
                 let old = &mut scene.clouds[i];
                 let grows_otherwise = old.growth != shell.growth;
-                let ellipsoids = std::mem::take(&mut old.ellipsoids);
+                let (ellipsoids, volume) = (std::mem::take(&mut old.ellipsoids), old.volume.take());
                 *old = Cloud { ellipsoids, ..*shell };
+                if let (Some(new), Some(old)) = (&mut old.volume, &volume) {
+                    new.take_grid_of(old);
+                }
                 if grows_otherwise {
                     old.grow();
                 }
@@ -240,6 +246,7 @@ fn shell(cloud: &Cloud) -> Cloud {
         growth: cloud.growth.clone(),
         ellipsoids: Vec::new(),
         layer: cloud.layer.clone(),
+        volume: cloud.volume.clone(),
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),
         blend: cloud.blend,

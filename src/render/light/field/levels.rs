@@ -45,6 +45,7 @@ impl FieldBox {
             return Self { low: -half, extent: 2.0 * half, repeats: true };
         }
         let (low, high) = EllipsoidUniform::bounds(&medium.ellipsoids);
+        let (low, high) = medium.volume.as_ref().map_or((low, high), |volume| volume.clip(low, high));
         Self { low, extent: (high - low).max(Vec3::splat(1e-3)), repeats: false }
     }
 

@@ -1,0 +1,196 @@
+//! `nephos import`: a scene of a volume that another program made.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use glam::DVec3;
+
+use super::{
+    numbers::{above_zero, numbers},
+    terminal,
+};
+use crate::{
+    Error, Result,
+    import::{Choice, Found, Grid, Raw, found_in},
+    scene::{Brick, Cloud, Endian, Scene, Up, Volume},
+};
+
+/// Tell what is in a volume's file, and make a scene of it.
+///
+/// OpenVDB (.vdb), Mitsuba's .vol, output of the weather model WRF (NetCDF), or a brick of floats whose --size you give.
+#[derive(Debug, Args)]
+pub struct Import {
+    /// Volume: .vdb, .vol, .nc, or floats.
+    file: PathBuf,
+    /// Scene file to write; nothing is written where left out.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Grid that is drawn; where left out, the only one, or `density`.
+    #[arg(long, value_name = "NAME")]
+    grid: Option<String>,
+    /// Extinction where the grid is 1, per metre; where left out, 1 for values that are extinctions, and that of
+    /// droplets for those without a unit.
+    #[arg(long, value_name = "PER_METRE", value_parser = above_zero)]
+    extinction: Option<f64>,
+    /// Metres of the file's unit of length: 0.01 for centimetres.
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
+    scale: f64,
+    /// Axis of the file that goes up; where left out, z of NetCDF and y of others.
+    #[arg(long, value_name = "AXIS")]
+    up: Option<UpAxis>,
+    /// Where the file's origin shall be, metres.
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    at: Option<[f64; 3]>,
+    /// Which of its times, where a file holds several: 0 is the first.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    step: u32,
+    /// Voxels along x, y and z of a file that holds nothing but floats, x fastest.
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>)]
+    size: Option<[f64; 3]>,
+    /// Order of the bytes of those floats.
+    #[arg(long, value_name = "ORDER", default_value = "little", requires = "size")]
+    endian: ByteOrder,
+    /// Edges of a voxel of those floats, in the file's unit of length.
+    #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, requires = "size")]
+    voxel: Option<[f64; 3]>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum UpAxis {
+    Y,
+    Z,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, ValueEnum)]
+enum ByteOrder {
+    Little,
+    Big,
+}
+
+impl Import {
+    /// Tells what is there, and writes the scene.
+    ///
+    /// # Errors
+    /// Where the file, the arguments or the scene are not good.
+    pub fn run(self) -> Result<()> {
+        let brick = self.brick()?;
+        let raw = brick.as_ref().map(|brick| Raw {
+            size: brick.size,
+            big_endian: self.endian == ByteOrder::Big,
+            voxel: brick.voxel.into(),
+        });
+        let found = found_in(&self.file, &Choice { grid: None, raw, step: self.step })?;
+        terminal::print(&self.told(&found))?;
+        let Some(output) = &self.output else { return Ok(()) };
+        let chosen = self.chosen(found)?;
+        let scene = self.scene(output, chosen, brick)?;
+        scene.save(output)?;
+        let volume = scene.clouds[0].volume.as_ref();
+        let extinction = volume.map_or(0.0, |volume| volume.extinction);
+        terminal::print(&format!(
+            "{}: extinction {extinction} a metre where the grid is 1\n",
+            output.display()
+        ))?;
+        match scene.bounds() {
+            Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
+                "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
+                scene.ground.altitude - low.y
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn brick(&self) -> Result<Option<Brick>> {
+        let Some(size) = self.size else { return Ok(None) };
+        if size.iter().any(|n| n.fract() != 0.0 || !(1.0..=2048.0).contains(n)) {
+            let [x, y, z] = size;
+            return Err(Error::Argument(format!("--size {x},{y},{z} must be whole numbers from 1 to 2048")));
+        }
+        let endian = match self.endian {
+            ByteOrder::Little => Endian::Little,
+            ByteOrder::Big => Endian::Big,
+        };
+        let size = size.map(|n| n as u32);
+        Ok(Some(Brick { size, endian, voxel: self.voxel.unwrap_or([1.0; 3]) }))
+    }
+
+    /// A line a grid.
+    fn told(&self, found: &[Found]) -> String {
+        let mut text = format!("{}:\n", self.file.display());
+        for Found { name, kind, grid } in found {
+            text += &match grid {
+                Ok(grid) => format!("  {name} ({kind}): {}\n", summary(grid, self.scale)),
+                Err(problem) => format!("  {name} ({kind}): not drawn; the file {problem}\n"),
+            };
+        }
+        text
+    }
+
+    fn chosen(&self, found: Vec<Found>) -> Result<Grid> {
+        let refused = |problem: String| Error::Format { path: self.file.clone(), problem };
+        let names = found.iter().map(|found| format!("`{}`", found.name)).collect::<Vec<_>>().join(", ");
+        let usual =
+            |found: &Found| self.grid.as_ref().map_or(found.name == "density", |name| found.name == *name);
+        let place = found.iter().position(usual);
+        let only = found.iter().position(|found| found.grid.is_ok()).filter(|_| self.grid.is_none());
+        let place = place.or(only).ok_or_else(|| {
+            refused(match &self.grid {
+                Some(name) => format!("has no grid `{name}`: it has {names}"),
+                None => format!("has no grid that can be drawn: it has {names}"),
+            })
+        })?;
+        found
+            .into_iter()
+            .nth(place)
+            .map_or_else(|| Err(refused("has no grid".to_owned())), |f| f.grid.map_err(refused))
+    }
+
+    fn scene(&self, output: &Path, grid: Grid, raw: Option<Brick>) -> Result<Scene> {
+        let name = self.file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let folder = output.parent().unwrap_or(Path::new(""));
+        let mut volume = Volume {
+            file: Volume::path_from(folder, &self.file),
+            grid: Some(grid.name.clone()).filter(|_| raw.is_none()),
+            extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(&grid)),
+            scale: self.scale,
+            up: match self.up {
+                Some(UpAxis::Y) => Up::Y,
+                Some(UpAxis::Z) => Up::Z,
+                None => Volume::usual_up(&self.file),
+            },
+            step: self.step,
+            place: self.at.map_or(DVec3::ZERO, DVec3::from),
+            raw,
+            ..Volume::default()
+        };
+        volume.read(folder)?;
+        let cloud = Cloud::of_volume(&name, volume);
+        let scene = Scene { name, clouds: vec![cloud], ..Scene::default() };
+        scene.validate().map_err(|error| {
+            Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
+        })?;
+        Ok(scene)
+    }
+}
+
+/// What a grid is like.
+fn summary(grid: &Grid, scale: f64) -> String {
+    let (size, voxel) = (grid.size(), scale * grid.voxel());
+    let unit = if grid.quantity.is_empty() { String::new() } else { format!(", {}", grid.quantity) };
+    let clamped = match grid.clamped {
+        0 => String::new(),
+        count => format!(", {count} negative ones taken as 0"),
+    };
+    format!(
+        "{} x {} x {} voxels of {:.4} x {:.4} x {:.4} m, {} not empty, up to {:.4}{unit}{clamped}, {:.1} MiB",
+        size.x,
+        size.y,
+        size.z,
+        voxel.x,
+        voxel.y,
+        voxel.z,
+        grid.count,
+        grid.most,
+        grid.bytes() as f64 / f64::from(1 << 20)
+    )
+}

@@ -1,0 +1,113 @@
+//! Volumes of any format.
+
+use std::{fs, path::Path};
+
+use super::{
+    bytes::Problem,
+    grid::Grid,
+    netcdf,
+    raw::{self, Raw},
+    vdb, vol,
+};
+use crate::{Error, Result};
+
+/// A grid in a file.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// Its name.
+    pub name: String,
+    /// The type of its values, as its format calls it.
+    pub kind: String,
+    /// Itself, or why it can't be drawn: the rest of a sentence about the file.
+    pub grid: std::result::Result<Grid, String>,
+}
+
+/// What is wanted of a file.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Choice<'a> {
+    /// Name of the grid; where left out, the only one that can be drawn, or `density`.
+    pub grid: Option<&'a str>,
+    /// How floats lie in a file that holds nothing else.
+    pub raw: Option<Raw>,
+    /// Which of its times, where a file holds several: 0 is the first.
+    pub step: u32,
+}
+
+/// Name of the grid that is taken where none is named and there are several.
+const USUAL: &str = "density";
+
+/// All grids of a volume's file, whichever is chosen: OpenVDB, Mitsuba's .vol, NetCDF of WRF, or floats.
+///
+/// # Errors
+/// [`Error::File`] and [`Error::Format`] where it can't be read or is no volume.
+pub fn found_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
+    all(&content(path)?, &Choice { grid: None, ..*choice })
+        .map_err(|problem| Error::Format { path: path.to_owned(), problem })
+}
+
+/// The grid of a volume's file that is chosen.
+///
+/// # Errors
+/// As [`found_in`], and where there is no such grid.
+pub fn read_volume(path: &Path, choice: &Choice<'_>) -> Result<Grid> {
+    let bytes = content(path)?;
+    parse_volume(&bytes, choice).map_err(|problem| Error::Format { path: path.to_owned(), problem })
+}
+
+/// The same of the bytes of a file.
+///
+/// # Errors
+/// The rest of a sentence about the file.
+pub fn parse_volume(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Grid, String> {
+    let found = all(bytes, choice)?;
+    let names = || found.iter().map(|found| format!("`{}`", found.name)).collect::<Vec<_>>().join(", ");
+    if found.is_empty() {
+        return Err("has no grid: export it with one".to_owned());
+    }
+    let named = |name: &str| found.iter().position(|found| found.name == name);
+    let mut good = found.iter().enumerate().filter(|(_, found)| found.grid.is_ok()).map(|(i, _)| i);
+    let chosen = match choice.grid {
+        Some(name) => named(name).ok_or_else(|| format!("has no grid `{name}`: it has {}", names()))?,
+        None if found.len() == 1 => 0,
+        None => match (named(USUAL), good.next(), good.next()) {
+            (Some(usual), ..) => usual,
+            (None, Some(only), None) => only,
+            (None, None, _) => 0,
+            (None, Some(_), Some(_)) => {
+                return Err(format!(
+                    "has several grids, and none is `{USUAL}`: choose by `grid` from {}",
+                    names()
+                ));
+            }
+        },
+    };
+    found.into_iter().nth(chosen).map_or_else(|| Err("has no grid".to_owned()), |found| found.grid)
+}
+
+fn all(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Vec<Found>, Problem> {
+    let alone =
+        |grid: Grid| vec![Found { name: grid.name.clone(), kind: "float".to_owned(), grid: Ok(grid) }];
+    if let Some(raw) = &choice.raw {
+        return raw::read(bytes, raw).map(alone);
+    }
+    if vdb::is_one(bytes) {
+        return vdb::read(bytes, choice.grid);
+    }
+    if vol::is_one(bytes) {
+        return vol::read(bytes).map(alone);
+    }
+    if netcdf::is_one(bytes) {
+        return netcdf::read(bytes, choice.step);
+    }
+    Err("is no volume that is read: give OpenVDB (.vdb), Mitsuba's .vol, NetCDF, or floats with their `raw` size".to_owned())
+}
+
+/// Bytes of a file. Devices and pipes, which may have no end, are refused.
+fn content(path: &Path) -> Result<Vec<u8>> {
+    let failed = |source| Error::File { action: "read", path: path.to_owned(), source };
+    if !fs::metadata(path).map_err(failed)?.is_file() {
+        let problem = "is no file: give one that holds a volume".to_owned();
+        return Err(Error::Format { path: path.to_owned(), problem });
+    }
+    fs::read(path).map_err(failed)
+}
