@@ -82,6 +82,25 @@ fn each_kind_is_written() {
     assert_eq!((size("book.png"), size("card.png"), size("sky.hdr")), ((32, 16), (32, 32), (16, 8)));
 }
 
+#[test]
+fn volumes_over_time_are_those_of_their_moments_in_voxels_of_one_size() {
+    let desk = Desk::new();
+    let windy = SMALL.strip_suffix('}').unwrap().to_owned() + r#","wind":{"velocity":[50,0,0]}}"#;
+    fs::write(desk.path("windy.json"), windy).unwrap();
+    let told =
+        desk.told("export volume windy.json -o v.####.vdb --frames -1-3:4 --fps 2 --voxel 20 --samples 1");
+    assert!(told.contains("2 frames with voxels of 20 m"), "{told}");
+    assert!(desk.path("v.-001.vdb").exists());
+    // Frame 3 of two a second is at one second.
+    desk.told("export volume windy.json -o one.vdb --time 1 --voxel 20 --samples 1");
+    assert_eq!(fs::read(desk.path("v.0003.vdb")).unwrap(), fs::read(desk.path("one.vdb")).unwrap());
+    assert_ne!(fs::read(desk.path("v.-001.vdb")).unwrap(), fs::read(desk.path("one.vdb")).unwrap());
+    let told = desk.complaint("export volume windy.json -o v.vdb --frames 1-2");
+    assert!(told.contains("no place for the frame's number"), "{told}");
+    let told = desk.complaint("export volume windy.json -o w.#.vdb");
+    assert!(told.contains("say which frames"), "{told}");
+}
+
 /// Filters take colours of their neighbours from under alpha 0: they are those of the nearest cloud.
 #[test]
 fn what_stands_under_alpha_0_is_the_nearest_cloud() {

@@ -13,7 +13,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::{numbers::number, open, terminal};
+use super::{
+    numbers::number,
+    open,
+    sequence::frames::{Frames, numbered, set_fps},
+    terminal,
+};
 use crate::{Error, Result, gpu::Gpu, scene::Scene};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.
@@ -74,6 +79,15 @@ impl Source {
             Ok(Scene { auto_exposure, ..scene.at(self.time.unwrap_or(scene.time))? })
         };
         Scene::load(&self.scene).and_then(moment).map_err(|error| error.in_file(&self.scene))
+    }
+
+    /// The scene at its frames, by their numbers.
+    fn moments(&self, frames: Option<&Frames>, fps: Option<f64>) -> Result<Vec<(i32, Scene)>> {
+        let in_file = |error: Error| error.in_file(&self.scene);
+        let mut scene = Scene::load(&self.scene).map_err(in_file)?;
+        let fps = set_fps(&mut scene, fps).map_err(in_file)?;
+        let all = numbered(&scene, frames, fps, &self.scene)?;
+        all.into_iter().map(|(number, time)| Ok((number, scene.at(time).map_err(in_file)?))).collect()
     }
 
     fn gpu(&self) -> Result<Gpu> {

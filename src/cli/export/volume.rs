@@ -1,15 +1,19 @@
 //! `nephos export volume`: the density in voxels.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use super::{
-    super::{numbers::above_zero, terminal},
+    super::{
+        numbers::above_zero,
+        sequence::frames::{Frames, Pattern, rate},
+        terminal,
+    },
     Source, ending, shares,
 };
 use crate::{
-    Result,
+    Error, Result,
     export::{write_vdb, write_vol},
     files::check_place,
     render::{Frame, VoxelGrid, Voxels},
@@ -25,9 +29,17 @@ use crate::{
 pub struct Volume {
     #[command(flatten)]
     source: Source,
-    /// Volume to write: .vdb (OpenVDB) or .vol (Mitsuba).
+    /// Volume to write: .vdb (OpenVDB) or .vol (Mitsuba). Of a sequence the frame's number stands for the
+    /// hashes of "cloud.####.vdb", for `%04d` or for `$F4`.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Frames of a sequence, such as 1-240, 1-240:2 or -10-240, frame 1 being at 0 seconds; all of the timeline
+    /// where left out.
+    #[arg(long, value_name = "RANGE", allow_hyphen_values = true, conflicts_with = "time")]
+    frames: Option<Frames>,
+    /// Frames per second of a sequence, such as 24 or 24000/1001; the timeline's where left out, or else 24.
+    #[arg(long, value_name = "N", value_parser = rate, conflicts_with = "time")]
+    fps: Option<f64>,
     /// Edge of a voxel, metres.
     #[arg(long, value_name = "METRES", value_parser = above_zero, conflicts_with = "resolution")]
     voxel: Option<f64>,
@@ -52,16 +64,23 @@ enum Up {
 
 impl Volume {
     pub(super) fn run(self) -> Result<()> {
-        let write = match ending(&self.output, &["vdb", "vol"])? {
+        let write: Write = match ending(&self.output, &["vdb", "vol"])? {
             "vdb" => write_vdb,
             _ => write_vol,
         };
+        match Pattern::of(&self.output) {
+            Ok(pattern) => self.sequence(&pattern, write),
+            Err(problem) if self.frames.is_some() => Err(problem),
+            Err(_) => self.moment(write),
+        }
+    }
+
+    fn moment(&self, write: Write) -> Result<()> {
         check_place(&self.output)?;
         let frame = Frame::new(&self.source.scene()?, [1, 1])?;
         let voxel = self.voxel.map_or_else(|| VoxelGrid::voxel_of(&frame, self.resolution), Ok)?;
-        let grid = VoxelGrid { samples: self.samples, ..VoxelGrid::new(voxel) };
-        let grid = if self.up == Up::Z { grid.z_up() } else { grid };
         let gpu = self.source.gpu()?;
+        let grid = self.grid(voxel);
         let volume = shares("sampling the density", |progress| Voxels::sample(&gpu, &frame, grid, progress))?;
         write(&self.output, &volume)?;
         let (first, last) = volume.bounds().unwrap_or_default();
@@ -72,8 +91,48 @@ impl Volume {
             size.x,
             size.y,
             size.z,
-            (1e4 * voxel).round() / 1e4,
+            short(voxel),
             volume.filled().count()
         ))
     }
+
+    /// A file a frame, with voxels of one size: that of the frame which needs the largest.
+    fn sequence(&self, pattern: &Pattern, write: Write) -> Result<()> {
+        let moments = self.source.moments(self.frames.as_ref(), self.fps)?;
+        moments.iter().try_for_each(|(number, _)| check_place(&pattern.file(*number)))?;
+        let frames: Vec<(i32, Frame)> = moments
+            .iter()
+            .map(|(number, scene)| Ok((*number, Frame::new(scene, [1, 1])?)))
+            .collect::<Result<_>>()?;
+        let voxel = match self.voxel {
+            Some(voxel) => voxel,
+            None => frames
+                .iter()
+                .map(|(_, frame)| VoxelGrid::voxel_of(frame, self.resolution))
+                .try_fold(0.0, |most: f64, voxel| Ok::<_, Error>(most.max(voxel?)))?,
+        };
+        let (gpu, count) = (self.source.gpu()?, frames.len() as f64);
+        shares("sampling the density", |progress| {
+            for (i, (number, frame)) in frames.iter().enumerate() {
+                let mut own = |share: f64| progress((i as f64 + share) / count);
+                let volume = Voxels::sample(&gpu, frame, self.grid(voxel), &mut own)?;
+                write(&pattern.file(*number), &volume)?;
+            }
+            Ok(())
+        })?;
+        let (name, voxel) = (self.output.display(), short(voxel));
+        terminal::print(&format!("{name}: {count} frames with voxels of {voxel} m\n"))
+    }
+
+    fn grid(&self, voxel: f64) -> VoxelGrid {
+        let grid = VoxelGrid { samples: self.samples, ..VoxelGrid::new(voxel) };
+        if self.up == Up::Z { grid.z_up() } else { grid }
+    }
+}
+
+/// Writes a volume into a file.
+type Write = fn(&Path, &Voxels) -> Result<()>;
+
+fn short(voxel: f64) -> f64 {
+    (1e4 * voxel).round() / 1e4
 }

@@ -8,7 +8,10 @@ use std::{
     str::FromStr,
 };
 
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    scene::{Scene, Timeline},
+};
 
 /// Most frames of one sequence: more than a day at 60 frames a second.
 const MOST: usize = 10_000_000;
@@ -95,6 +98,45 @@ pub fn rate(text: &str) -> std::result::Result<f64, String> {
     rate.filter(|rate| *rate > 0.0 && *rate <= FASTEST).ok_or_else(|| {
         format!("give a number above 0 and at most {FASTEST}, or a fraction such as 24000/1001")
     })
+}
+
+/// Sets the frames per second of a scene, where any are given; what they are.
+///
+/// # Errors
+/// Where its timeline can't have so many.
+pub fn set_fps(scene: &mut Scene, fps: Option<f64>) -> Result<f64> {
+    match (&mut scene.timeline, fps) {
+        (Some(timeline), Some(fps)) => {
+            timeline.fps = fps;
+            scene.validate()?;
+            Ok(fps)
+        }
+        (Some(timeline), None) => Ok(timeline.fps),
+        (None, fps) => Ok(fps.unwrap_or(Timeline::default().fps)),
+    }
+}
+
+/// The numbers of frames and their times, s: those that are asked for, or else all of the timeline of the scene,
+/// whose file is `path`.
+///
+/// # Errors
+/// [`Error::Argument`] where nothing says how many there are.
+pub fn numbered(scene: &Scene, frames: Option<&Frames>, fps: f64, path: &Path) -> Result<Vec<(i32, f64)>> {
+    let all = match (frames, &scene.timeline) {
+        (Some(frames), _) => frames.numbers(),
+        (None, Some(timeline)) => (1..=i32::try_from(timeline.frames()).unwrap_or(i32::MAX)).collect(),
+        (None, None) => {
+            return Err(Error::Argument(format!(
+                "`{}` has no timeline that says how long it is: say which frames, such as --frames 1-240",
+                path.display()
+            )));
+        }
+    };
+    let time = |index: i64| match &scene.timeline {
+        Some(timeline) => timeline.time_of(index),
+        None => index as f64 / fps,
+    };
+    Ok(all.into_iter().map(|number| (number, time(i64::from(number) - 1))).collect())
 }
 
 /// The name of a frame's file, with a place where its number goes.

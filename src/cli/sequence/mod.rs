@@ -5,7 +5,7 @@
 //! that is how a sequence goes on after a crash and how several machines share one.
 
 mod exposure;
-mod frames;
+pub(super) mod frames;
 mod movie;
 mod stamp;
 
@@ -20,7 +20,7 @@ use clap::Args;
 use serde::Serialize;
 
 use self::{
-    frames::{Frames, Pattern, Shard},
+    frames::{Frames, Pattern, Shard, numbered, set_fps},
     movie::{Container, Movie},
     stamp::Stamp,
 };
@@ -35,7 +35,7 @@ use crate::{
     export::{self, Header, Notes},
     files::{check_place, write_whole},
     gpu,
-    scene::{Scene, Timeline},
+    scene::Scene,
 };
 
 /// Render a scene over time: numbered pictures, or a movie.
@@ -113,7 +113,7 @@ impl Sequence {
     /// before are whole.
     pub fn run(self) -> Result<()> {
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
-        let fps = self.set_fps(&mut scene).map_err(|error| error.in_file(&self.scene))?;
+        let fps = set_fps(&mut scene, self.fps).map_err(|error| error.in_file(&self.scene))?;
         let scene = self.camera.see_over_time(scene, fps)?;
         let stills = self.stills(&scene, fps)?;
         let started = Instant::now();
@@ -126,40 +126,13 @@ impl Sequence {
         if self.json { terminal::print_json(&report) } else { terminal::print(&self.told(&report)) }
     }
 
-    /// Frames per second, in the scene's timeline, too.
-    fn set_fps(&self, scene: &mut Scene) -> Result<f64> {
-        match (&mut scene.timeline, self.fps) {
-            (Some(timeline), Some(fps)) => {
-                timeline.fps = fps;
-                scene.validate()?;
-                Ok(fps)
-            }
-            (Some(timeline), None) => Ok(timeline.fps),
-            (None, fps) => Ok(fps.unwrap_or(Timeline::default().fps)),
-        }
-    }
-
     /// The frames of this machine. Every moment is looked at before the first is drawn: what is
     /// wrong at the end is told at the beginning.
     fn stills(&self, scene: &Scene, fps: f64) -> Result<Vec<Still>> {
-        let all = match (&self.frames, &scene.timeline) {
-            (Some(frames), _) => frames.numbers(),
-            (None, Some(timeline)) => (1..=i32::try_from(timeline.frames()).unwrap_or(i32::MAX)).collect(),
-            (None, None) => {
-                return Err(Error::Argument(format!(
-                    "`{}` has no timeline that says how long it is: say which frames, such as --frames 1-240",
-                    self.scene.display()
-                )));
-            }
-        };
+        let all = numbered(scene, self.frames.as_ref(), fps, &self.scene)?;
         let exposed_by = self.exposed_by(scene).map_err(|error| error.in_file(&self.scene))?;
         let own = all.into_iter().enumerate().filter(|(i, _)| self.shard.is_none_or(|shard| shard.has(*i)));
-        own.map(|(_, number)| {
-            let index = i64::from(number) - 1;
-            let time = match &scene.timeline {
-                Some(timeline) => timeline.time_of(index),
-                None => index as f64 / fps,
-            };
+        own.map(|(_, (number, time))| {
             let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
             Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
         })
