@@ -4,6 +4,9 @@
 // closed form, the rest is sampled (`steps`). What is seen is gathered in pieces and lit (`gather`).
 // @use atmosphere camera counts random ray_seen steps medium light
 
+// Discs beside the sun's.
+const MOST_MOONS: u32 = 4u;
+
 // The cloud for this picture.
 struct Cloud {
     // The camera's position in the cloud's frame, m.
@@ -32,6 +35,8 @@ struct Cloud {
     curvature: f32,
     // Distance of what the caller drew = x / (y + z depth) along the view axis.
     scene_depth: vec4f,
+    // Unit vectors to moons, and the angular radius of their discs, rad.
+    moons: array<vec4f, MOST_MOONS>,
 }
 
 struct Tile {
@@ -51,6 +56,8 @@ override AIR_SHADED: bool = false;
 // Whether the light at hand lights that air.
 override AIR_LIT: bool = true;
 override SCENE_DEPTH: bool = false;
+// Moons whose discs may be behind the cloud.
+override MOONS: u32 = 0u;
 // Whether the ground hides what is behind it: the cloud reaches below it.
 override GROUND: bool = false;
 
@@ -133,6 +140,15 @@ struct Shade {
     normal: vec3f,
 }
 
+// Whether the disc of the sun or of a moon may be seen in a direction.
+fn is_before_disc(direction: vec3f) -> bool {
+    var before = sees_disc(direction, cloud.to_sun, cloud.sun_radius, camera.pixel);
+    for (var i = 0u; i < MOONS; i++) {
+        before = before || sees_disc(direction, cloud.moons[i].xyz, cloud.moons[i].w, camera.pixel);
+    }
+    return before;
+}
+
 fn shade(v: Varyings) -> Shade {
     count(RAYS, 1u);
     let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
@@ -148,8 +164,7 @@ fn shade(v: Varyings) -> Shade {
     }
     count(HITS, 1u);
     let seen = ray_seen(m.transmittance, m.optical_depth, opaque);
-    let before_sun = PEAK && sees_disc(ray.direction, cloud.to_sun, cloud.sun_radius, camera.pixel);
-    let alpha = ray_alpha(seen, light_transported(species), before_sun);
+    let alpha = ray_alpha(seen, light_transported(species), PEAK && is_before_disc(ray.direction));
     let distance = ray_mean(m.distance, seen);
     let height = ray_height(m.height, cloud.top - cloud.base, seen);
     let normal = seen.share * m.normal;

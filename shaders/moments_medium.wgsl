@@ -1,6 +1,6 @@
 // What a cell of the field holds: mean extinction, and, as moments, the sun's beam that
-// reaches its droplets, from eight samples, or what a flash gives off there. One thread a cell.
-// @use field flash harmonics light_box medium
+// reaches its droplets, from eight samples. One thread a cell.
+// @use field harmonics light_box medium
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<uniform> sun: LightBox;
@@ -12,9 +12,6 @@
 @group(0) @binding(6) var<storage, read> candidates: array<u32>;
 // Moments of what is scattered of the light that is given, by light and cell.
 @group(0) @binding(7) var<storage, read_write> given: array<array<vec4f, 4>>;
-
-// Least optical depth along the radius of a flash.
-const CLEAREST: f32 = 1e-3;
 
 // Extinction without the forward peak.
 fn extinction_at(p: vec3f, list: Region, blur: f32) -> f32 {
@@ -48,16 +45,4 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let beam = harmonics_with(array<vec4f, 4>(), cell.beam, field.beam.xyz);
         given[id.x] = harmonics_scattered(beam, field.scattering);
     }
-    if field.flash.w > 0.0 {
-        given[id.x][0] = vec4f(flash_in(id.x, cell.extinction) / harmonics_low(vec3f(0.0)).x, vec3f(0.0));
-    }
-}
-
-// What a cell of this extinction gives off alike to all sides.
-fn flash_in(cell: u32, extinction: f32) -> f32 {
-    let low = field.low + vec3f(field_place(field, cell)) * field.cell;
-    let share = flash_share(field.flash, low, low + field.cell);
-    let volume = field.cell.x * field.cell.y * field.cell.z;
-    // Cells of clear air give off their light all the same: some droplets are told of there.
-    return flash_source(field.flash.w, share, volume, max(extinction, CLEAREST / field.flash.w));
 }

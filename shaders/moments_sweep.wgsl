@@ -2,7 +2,10 @@
 // last round of scattering left: short characteristics (`lib/characteristic`). One workgroup a direction and light; it goes from plane to
 // plane across the axis along which its direction crosses cells the fastest. A field that repeats itself is gone through from
 // top to bottom, and what is outside of it beside comes from the opposite face.
-// @use characteristic field
+// @use characteristic field flash
+
+// Whether a ball shines in the field: then no light enters, and `entering` is the share of the ball's that counts.
+override FLASH: bool = false;
 
 @group(0) @binding(0) var<uniform> field: Field;
 @group(0) @binding(1) var<storage, read> cells: array<f32>;
@@ -15,6 +18,14 @@
 @group(0) @binding(5) var<storage, read_write> radiance: array<f32>;
 
 const THREADS: u32 = 128u;
+
+// What a cell of the ball gives off along `length` metres on the way to its middle.
+fn flash_through(cell: u32, length: f32, extinction: f32) -> f32 {
+    let low = field.low + vec3f(field_place(field, cell)) * field.cell;
+    let share = flash_share(field.flash, low, low + field.cell);
+    let volume = field.cell.x * field.cell.y * field.cell.z;
+    return flash_emission(field.flash.w, share, volume) * length * mean_through(length * extinction);
+}
 
 @compute @workgroup_size(THREADS)
 fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) group: vec3u) {
@@ -30,7 +41,8 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
     let planes = field.size[a];
     let size = vec2u(field.size[u], field.size[v]);
     let first = (group.y * field.directions + group.x) * field_cells(field);
-    let outside = entering[group.y * field.directions + group.x];
+    let given = entering[group.y * field.directions + group.x];
+    let outside = select(given, 0.0, FLASH);
     for (var s = 0u; s < planes; s++) {
         let plane = select(planes - 1u - s, s, rates[a] > 0.0) * strides[a];
         let before = select(plane + strides[a], plane - strides[a], rates[a] > 0.0);
@@ -57,7 +69,11 @@ fn main(@builtin(local_invocation_index) thread: u32, @builtin(workgroup_id) gro
                     up += bilinear_weight(part, i) * select(vec3f(outside, 0.0, source_here), value, inside);
                 }
             }
-            radiance[first + cell] = short_characteristic(Upwind(up.x, up.y, up.z), here, source_here, step);
+            var light = short_characteristic(Upwind(up.x, up.y, up.z), here, source_here, step);
+            if FLASH {
+                light += given * flash_through(cell, step, 0.5 * (here + up.y));
+            }
+            radiance[first + cell] = light;
         }
         storageBarrier();
         workgroupBarrier();

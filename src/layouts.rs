@@ -103,7 +103,7 @@ fn structs_of_rust_and_shaders_agree() {
             "march",
             "Cloud",
             layout!(CloudUniform: camera, opaque, to_sun, sun_radius, sun_irradiance, aerial_range, base, top,
-                first_step, longest_step, growth, lit_at_once, shadow_range, curvature, scene_depth),
+                first_step, longest_step, growth, lit_at_once, shadow_range, curvature, scene_depth, moons),
         ),
         (
             "march",

@@ -18,10 +18,10 @@ fn flash_share(ball: vec4f, low: vec3f, high: vec3f) -> f32 {
         * (normal_below(far.z) - normal_below(near.z));
 }
 
-// The source of what shines from a box, per unit of the irradiance that the ball has at its radius in clear air:
-// the power per solid angle over the box's volume and the extinction there.
-fn flash_source(radius: f32, share: f32, volume: f32, extinction: f32) -> f32 {
-    return radius * radius * share / (volume * extinction);
+// What shines from a box, 1/(m sr), per unit of the irradiance that the ball has at its radius in clear air: the power
+// per solid angle over the box's volume.
+fn flash_emission(radius: f32, share: f32, volume: f32) -> f32 {
+    return radius * radius * share / volume;
 }
 
 // What the ball gives off along a line through `p`, per unit of the irradiance at its radius: the radiance of one

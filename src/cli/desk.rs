@@ -3,7 +3,7 @@
 
 use std::{
     env,
-    io::{self, BufRead},
+    io::{self, BufRead, Write},
     sync::{Condvar, Mutex, PoisonError, atomic::Ordering},
     thread,
 };
@@ -48,7 +48,8 @@ fn set_paused(paused: bool) {
 
 /// Tells the thousandths that are done.
 pub(super) fn tell(thousandths: u64) {
-    eprintln!("progress {thousandths}");
+    // Nobody may listen any more.
+    let _ = writeln!(io::stderr(), "progress {thousandths}");
 }
 
 /// Waits as long as it shall.

@@ -132,6 +132,12 @@ impl Import {
         let usual =
             |found: &Found| self.grid.as_ref().map_or(found.name == "density", |name| found.name == *name);
         let place = found.iter().position(usual);
+        let good = || found.iter().filter(|found| found.grid.is_ok());
+        if place.is_none() && self.grid.is_none() && good().count() > 1 {
+            return Err(refused(format!(
+                "has several grids, and none is `density`: choose by --grid from {names}"
+            )));
+        }
         let only = found.iter().position(|found| found.grid.is_ok()).filter(|_| self.grid.is_none());
         let place = place.or(only).ok_or_else(|| {
             refused(match &self.grid {

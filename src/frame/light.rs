@@ -75,6 +75,11 @@ impl Frame {
         &self.lights
     }
 
+    /// How many of those have discs in the sky.
+    pub(crate) fn moons(&self) -> u32 {
+        self.lights.iter().filter(|light| light.by == LitBy::Sky).count() as u32
+    }
+
     /// The frame with this light in place of the sun and of the light of the sky.
     pub(crate) fn lit_by(&self, light: &FrameLight) -> Self {
         let irradiance = if light.by == LitBy::Sky { light.sun.irradiance } else { Vec3::ZERO };

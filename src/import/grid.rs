@@ -32,6 +32,8 @@ pub struct Grid {
     pub total: f64,
     /// Negative values that were taken as 0.
     pub clamped: usize,
+    /// Of all that is in it and where that lies: files of one name may hold another.
+    pub fingerprint: u64,
 }
 
 impl Grid {
@@ -79,7 +81,9 @@ impl Grid {
             count: 0,
             total: 0.0,
             clamped,
+            fingerprint: 0,
         };
+        grid.fingerprint = grid.fingerprinted();
         let bounds = grid.filled().map(|(at, _)| (at, at)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         grid.bounds = bounds.ok_or_else(|| {
             format!("has nothing above 0 in `{}`: there is nothing to draw; choose another grid", grid.name)
@@ -118,6 +122,18 @@ impl Grid {
         }
         let blocks = blocks.into_iter().map(|(index, values)| Block { index: index.into(), values });
         Self::new(name, String::new(), place, blocks.collect())
+    }
+
+    /// FNV-1a over its numbers.
+    fn fingerprinted(&self) -> u64 {
+        let place = self.place.to_cols_array().into_iter().map(f64::to_bits);
+        let blocks = self.blocks.iter().flat_map(|block| {
+            let index = block.index.to_array().map(|i| u64::from(i.cast_unsigned()));
+            index.into_iter().chain(block.values.iter().map(|value| u64::from(value.to_bits())))
+        });
+        place
+            .chain(blocks)
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
     }
 
     /// Voxels along each axis, of what is not empty.

@@ -87,6 +87,9 @@ pub fn parse_volume(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Gr
 fn all(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Vec<Found>, Problem> {
     let alone =
         |grid: Grid| vec![Found { name: grid.name.clone(), kind: "float".to_owned(), grid: Ok(grid) }];
+    if choice.step > 0 && !netcdf::is_one(bytes) {
+        return Err(format!("has one time, 0, and not {}: only NetCDF holds several", choice.step));
+    }
     if let Some(raw) = &choice.raw {
         return raw::read(bytes, raw).map(alone);
     }

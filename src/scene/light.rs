@@ -117,6 +117,13 @@ impl Lightning {
     }
 }
 
+/// What files call the sun's own light.
+const SUN: &str = "sun";
+
+fn is_usual(character: char) -> bool {
+    character.is_ascii_alphanumeric() || " -_".contains(character)
+}
+
 /// Checks the lights of a scene at `at`.
 pub(super) fn check(lights: &[Light], at: At) -> Result<()> {
     if lights.len() > MAX_LIGHTS {
@@ -128,17 +135,17 @@ pub(super) fn check(lights: &[Light], at: At) -> Result<()> {
     for (i, light) in lights.iter().enumerate() {
         let at = at.index(i);
         light.check(at)?;
-        if light.name.contains('.') {
-            let found = &light.name;
-            return Err(at
-                .field("name")
-                .problem(format!("`{found}` has a dot, and layers of EXR files end at dots: leave it out")));
+        let (name, label) = (at.field("name"), light.label(i));
+        if let Some(found) = label.chars().find(|c| !is_usual(*c)) {
+            return Err(name.problem(format!(
+                "`{label}` has `{}`, which names of layers in EXR files can't have: take letters without accents, \
+                 digits, spaces, `-` and `_`",
+                found.escape_debug()
+            )));
         }
-        let same = |other: &Light| !light.name.is_empty() && other.name == light.name;
-        if lights[..i].iter().any(same) {
-            return Err(at
-                .field("name")
-                .problem(format!("two lights are called `{}`: give them names of their own", light.name)));
+        let others = lights[..i].iter().enumerate().map(|(number, other)| other.label(number));
+        if others.chain([SUN.to_owned()]).any(|other| other == label) {
+            return Err(name.problem(format!("another light is called `{label}`: give it a name of its own")));
         }
     }
     Ok(())

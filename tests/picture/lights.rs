@@ -71,6 +71,25 @@ fn a_scene_with_a_moon_is_the_sum_of_its_pictures_with_either_sun() {
     }
 }
 
+/// A moon behind the middle of a cloud: where its disc is, the cloud takes all of its light that is scattered.
+#[test]
+fn the_disc_of_a_moon_is_dimmed_as_that_of_the_sun_is() {
+    let text = r#"{"clouds":[{"droplets":{"concentration_per_cm3":25},"edge":{"boundary":0},
+        "ellipsoids":[{"center":[0,900,-500],"radii":[120,70,40]}]}],"noise":{"detail":0},
+        "camera":{"position":[0,900,0],"target":[0,900,-500],"projection":{"perspective":{"vertical_fov_deg":4}}},
+        "sky":"none"}"#;
+    let behind = Sun { angular_diameter_deg: 1.0, ..sun(0.0, 0.0, [1e-3; 3]) };
+    let dark = Sun { irradiance: [0.0; 3], ..Sun::default() };
+    let of_sun = Scene { sun: behind.clone(), ..crate::common::picture::scene(text) };
+    let moon = light(LightSource::Moon(behind));
+    let of_moon = Scene { sun: dark, lights: vec![moon], ..of_sun.clone() };
+    let mut renderer = renderer(sharp(), Transport::default());
+    let [sun, moon] = [&of_sun, &of_moon].map(|scene| draw(&mut renderer, scene, SIZE, true));
+    let middle = sun.pixels[12 * 32 + 16][1];
+    assert!(middle > 0.0);
+    is_sum(&moon, &[sun]);
+}
+
 #[test]
 fn a_light_of_clouds_alone_is_a_sun_without_air_and_twice_the_same_is_twice_as_much() {
     let mut renderer = renderer(sharp(), Transport::default());
@@ -122,6 +141,8 @@ fn what_does_not_shine_costs_nothing_and_a_set_sun_no_light() {
     let moonlit = Scene { lights: vec![light(LightSource::Moon(moon()))], ..scene() };
     assert_eq!(work(&moonlit).1, 2 * density);
     assert_eq!(work(&moonlit).0, 0, "nothing has changed");
+    work(&scene());
+    assert_eq!(work(&moonlit).0, 0, "it was dark for a moment");
     // No light is solved for of a sun that has set.
     let mut night = moonlit.clone();
     night.sun = sun(0.0, -40.0, [1.0; 3]);
@@ -138,7 +159,14 @@ fn what_does_not_shine_costs_nothing_and_a_set_sun_no_light() {
 fn exr_files_have_a_layer_for_each_light_and_the_beauty_is_their_sum() {
     use exr::prelude::*;
     let moon = Light { name: "la luna".to_owned(), ..light(LightSource::Moon(moon())) };
-    let lit = Scene { lights: vec![moon, light(LightSource::Key(sun(10.0, 20.0, [0.2; 3])))], ..scene() };
+    let mut bolt = flash(2.0);
+    if let LightSource::Lightning(flash) = &mut bolt.source {
+        // In the cloud behind, which the other one hides in part.
+        flash.position = DVec3::new(-300.0, 1050.0, 100.0);
+    }
+    let lights = vec![moon, light(LightSource::Key(sun(10.0, 20.0, [0.2; 3]))), bolt];
+    let mut lit = Scene { lights, ..scene() };
+    lit.camera.as_mut().unwrap().position = DVec3::new(500.0, 600.0, 0.0);
     let mut renderer = renderer(sharp(), Transport::default());
     let layers =
         renderer.render_layers(gpu(), &Film::new(SIZE, 1).frame(&lit).unwrap(), &mut |_| ()).unwrap();
@@ -154,7 +182,7 @@ fn exr_files_have_a_layer_for_each_light_and_the_beauty_is_their_sum() {
     let whole = draw(&mut renderer, &lit, SIZE, true);
     for (c, color) in ["R", "G", "B"].into_iter().enumerate() {
         let of = |name: &str| channel(&format!("{name}.{color}"));
-        let parts = ["light.sun", "light.la luna", "light.key2"].map(of);
+        let parts = ["light.sun", "light.la luna", "light.key2", "light.lightning3"].map(of);
         let (beauty, sky) = (channel(color), of("sky"));
         let all = ["single", "multiple", "air"].map(of);
         let through = channel("transmittance.Y");
@@ -179,6 +207,9 @@ fn lights_that_are_none_end_in_a_sentence() {
         (r#"[{"source":{"lightning":{"radius":0}}}]"#, "1 to 100000 metres"),
         (r#"[{"source":{"lamp":{}}}]"#, "lamp"),
         (r#"[{"name":"a.b","source":{"key":{}}}]"#, "a.b"),
+        (r#"[{"name":"月","source":{"key":{}}}]"#, "月"),
+        (r#"[{"name":"sun","source":{"key":{}}}]"#, "lights[0].name"),
+        (r#"[{"name":"moon2","source":{"key":{}}},{"source":{"moon":{}}}]"#, "lights[1].name"),
         (r#"[{"name":"a","source":{"key":{}}},{"name":"a","source":{"moon":{}}}]"#, "lights[1].name"),
         (r#"[{"name":"a"}]"#, "source"),
     ];
@@ -212,16 +243,22 @@ fn truth_has_the_same_lights() {
     let as_key = traced(&Scene { lights: vec![key.clone()], ..dark.clone() }, 96);
     let spread = 4.0 * as_sun.1.hypot(as_key.1);
     assert!((as_sun.0[1] - as_key.0[1]).abs() < spread, "{as_sun:?} {as_key:?}");
-    // Truth of lightning, and the model that solves for it.
-    let lit = Scene { lights: vec![flash(3.0)], ..dark };
-    let ([red, green, blue], error) = traced(&lit, 3072);
-    assert!(error < 0.03 * green && green > 0.0, "{green} {error}");
-    assert!((red / green - 2.0).abs() < 0.1 && (blue / green - 4.0).abs() < 0.2, "{red} {green} {blue}");
+    // Truth of lightning, and the model that solves for it: in the middle, and half outside.
     let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::MOMENTS);
-    let picture = draw(&mut renderer, &lit, [12, 9], false);
-    let drawn = picture.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / 108.0;
-    println!("lightning: drawn {drawn:.5}, traced {green:.5} +- {error:.5}");
-    assert!((drawn / green - 1.0).abs() < 0.1, "{drawn} for {green} +- {error}");
+    for (x, bound) in [(10.0, 0.1), (110.0, 0.25)] {
+        let mut bolt = flash(3.0);
+        if let LightSource::Lightning(flash) = &mut bolt.source {
+            flash.position.x = x;
+        }
+        let lit = Scene { lights: vec![bolt], ..dark.clone() };
+        let ([red, green, blue], error) = traced(&lit, 3072);
+        assert!(error < 0.05 * green && green > 0.0, "{green} {error}");
+        assert!((red / green - 2.0).abs() < 0.1 && (blue / green - 4.0).abs() < 0.2, "{red} {green} {blue}");
+        let picture = draw(&mut renderer, &lit, [12, 9], false);
+        let drawn = picture.pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / 108.0;
+        println!("lightning at {x}: drawn {drawn:.5}, traced {green:.5} +- {error:.5}");
+        assert!((drawn / green - 1.0).abs() < bound, "{x}: {drawn} for {green} +- {error}");
+    }
 }
 
 /// A ball of droplets that absorb nothing and scatter alike to all sides, with a small flash in its middle: what
@@ -259,6 +296,6 @@ fn a_ball_gives_off_what_a_flash_in_its_middle_does_but_for_what_goes_straight_o
         let drawn = picture.pixels.iter().map(|pixel| f64::from(pixel[1]) * area).sum::<f64>() / wanted;
         println!("tau {tau:.2}: drawn {drawn:.4}, traced {traced:.4} +- {error:.4}");
         assert!(error < 0.06 && (traced - 1.0).abs() < 0.01 + 4.0 * error, "{tau}: {traced} +- {error}");
-        assert!((drawn - 1.0).abs() < 0.12, "{tau}: {drawn}");
+        assert!((drawn - 1.0).abs() < 0.17, "{tau}: {drawn}");
     }
 }

@@ -62,7 +62,8 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         &[
             ("march", "sun_at drawn_distance"),
             ("moments_entering", "radiance_from"),
-            ("moments_medium", "extinction_at flash_in"),
+            ("moments_medium", "extinction_at"),
+            ("moments_sweep", "flash_through"),
             ("path_flash", "flash_light flash_through_peak flash_distance"),
             ("moments_view", "moments_at"),
             ("path", "sky_from"),
@@ -101,7 +102,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         "bookkeeping: what comes next, what is counted, what is compiled out",
         &[
             ("counts", "count"),
-            ("march", "store_counts shade"),
+            ("march", "store_counts shade is_before_disc"),
             ("steps", "march"),
             ("gather", "add_light add_node next_piece light_nodes"),
             ("sun_map", "plane_at planes_within"),

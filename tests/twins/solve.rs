@@ -192,25 +192,13 @@ fn flashes() -> Vec<Twin> {
         })
         .over("all", ball_and_box)
         .beside(1.0),
-        Twin::new(
-            "flash_source",
-            "flash",
-            "return vec4f(flash_source(x[0].x, x[0].y, x[0].z, x[0].w));",
-            |x| {
-                // Of the power 4 pi r^2 all directions have the same.
-                one(4.0 * std::f64::consts::PI * x[0][0].powi(2) * x[0][1]
-                    / (4.0 * std::f64::consts::PI)
-                    / x[0][2]
-                    / x[0][3])
-            },
-        )
+        Twin::new("flash_emission", "flash", "return vec4f(flash_emission(x[0].x, x[0].y, x[0].z));", |x| {
+            // Of the power 4 pi r^2 all directions have the same.
+            let sphere = 4.0 * std::f64::consts::PI;
+            one(sphere * x[0][0].powi(2) * x[0][1] / sphere / x[0][2])
+        })
         .over("all", |random| {
-            scalars([
-                random.log(1.0, 1e3),
-                random.between(0.0, 1.0),
-                random.log(1.0, 1e9),
-                random.log(1e-4, 1.0),
-            ])
+            scalars([random.log(1.0, 1e3), random.between(0.0, 1.0), random.log(1.0, 1e9)])
         }),
         Twin::new("flash_along", "flash", "return vec4f(flash_along(x[0], x[1].xyz, x[2].xyz));", |x| {
             let (radius, d) = (x[0][3], xyz(x[2]));

@@ -69,8 +69,12 @@ impl Volume {
             _ => write_vol,
         };
         match Pattern::of(&self.output) {
+            Ok(_) if self.source.time.is_some() => Err(Error::Argument(format!(
+                "--time is one moment, and `{}` names a file for each frame: leave one of them out, or give --frames",
+                self.output.display()
+            ))),
             Ok(pattern) => self.sequence(&pattern, write),
-            Err(problem) if self.frames.is_some() => Err(problem),
+            Err(problem) if self.frames.is_some() || self.fps.is_some() => Err(problem),
             Err(_) => self.moment(write),
         }
     }

@@ -163,7 +163,10 @@ impl Sequence {
             return Err(Error::Argument("--from is for movies: name one, .mp4 or .webm".to_owned()));
         }
         let pattern = Pattern::of(&self.output)?;
-        self.picture.check(Format::of(&self.output)?)?;
+        let format = Format::of(&self.output)?;
+        // EXR files tell their frame's number and time.
+        let has_no_header = matches!(format, Format::Png);
+        self.picture.check(format)?;
         make_folder(&self.output)?;
         stills.iter().take(1).try_for_each(|still| check_place(&pattern.file(still.number)))?;
         let missing: Vec<&Still> =
@@ -184,7 +187,7 @@ impl Sequence {
             match &last {
                 // Another machine may have been here since.
                 _ if still.stamp.is_on(&file) => report.found += 1,
-                Some((stamp, same)) if **stamp == still.stamp => {
+                Some((stamp, same)) if has_no_header && **stamp == still.stamp => {
                     copy(same, &file)?;
                     report.repeated += 1;
                 }

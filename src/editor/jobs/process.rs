@@ -124,6 +124,11 @@ impl Drop for Process {
     /// Nobody will hear it any more.
     fn drop(&mut self) {
         self.stdin = None;
+        // It keeps what it has when nobody is there any more, if it is given the time.
+        let begun = Instant::now();
+        while begun.elapsed() < GRACE && matches!(self.child.try_wait(), Ok(None)) {
+            thread::sleep(Duration::from_millis(20));
+        }
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -140,7 +145,9 @@ fn listen(
     window: Context,
 ) {
     thread::spawn(move || {
-        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+        // Drivers may say what is no UTF-8.
+        for line in BufReader::new(stream).split(b'\n').map_while(Result::ok) {
+            let line = String::from_utf8_lossy(&line).trim_end_matches('\r').to_owned();
             if sender.send(mean(line)).is_err() {
                 return;
             }

@@ -57,20 +57,30 @@ impl LightsPanel {
         let kinds = kinds(&light.source);
         form.choice("Light.source", "What shines", &mut light.source, &kinds);
         let change = form.changed();
-        let name = light.name.replace('.', "_");
-        let is_free = document.scene().lights.iter().enumerate().all(|(i, l)| i == index || l.name != name);
-        if change.is_some() && (is_free || name.is_empty()) {
-            light.name = name;
-        } else {
-            light.name.clone_from(&document.scene().lights[index].name);
-        }
         light.hidden = !shines;
-        apply(document, change, |scene| scene.lights[index] = light);
+        apply(document, change, |scene| put(scene, index, light));
         match &document.scene().lights[index].source {
             LightSource::Moon(_) | LightSource::Key(_) => self.suns[index].ui_of(ui, document, Some(index)),
             LightSource::Lightning(flash) => lightning(ui, document, index, flash.clone()),
         }
     }
+}
+
+/// Puts a light in its place; keys go on where it is of another kind with the same numbers, else they go.
+fn put(scene: &mut Scene, index: usize, light: Light) {
+    let [before, after] = [&scene.lights[index], &light].map(|light| light.source.kind());
+    if let Some(timeline) = scene.timeline.as_mut().filter(|_| before != after) {
+        let [old, new] = [before, after].map(|kind| format!("lights[{index}].source.{kind}"));
+        let both_far = ![before, after].contains(&"lightning");
+        timeline.tracks.retain_mut(|track| match track.path.strip_prefix(&old).map(str::to_owned) {
+            Some(rest) if both_far => {
+                track.path = new.clone() + &rest;
+                true
+            }
+            found => found.is_none(),
+        });
+    }
+    scene.lights[index] = light;
 }
 
 /// What a light can be made: of suns the numbers stay.

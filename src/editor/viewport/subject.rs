@@ -43,11 +43,16 @@ impl Subject {
             name: String::new(),
             ..scene.at(scene.time).unwrap_or_else(|_| scene.clone())
         };
-        seen(&self.scene) == seen(&other.scene)
+        seen(&self.scene) == seen(&other.scene) && grids(&self.scene).eq(grids(&other.scene))
     }
 
     pub(super) fn same_view(&self, other: &Self) -> bool {
         (&self.camera, self.size, self.layer, self.rays)
             == (&other.camera, other.size, other.layer, other.rays)
     }
+}
+
+/// What was read of the files of volumes, which scenes do not tell.
+fn grids(scene: &Scene) -> impl Iterator<Item = Option<u64>> {
+    scene.clouds.iter().map(|cloud| Some(cloud.volume.as_ref()?.read_grid()?.fingerprint))
 }

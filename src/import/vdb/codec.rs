@@ -110,7 +110,7 @@ impl Packing {
         let packed = bytes.i64()?;
         // What does not get smaller is left as it is, which a negative size tells.
         if packed <= 0 {
-            let raw = bytes.take(usize::try_from(-packed).unwrap_or(usize::MAX))?;
+            let raw = bytes.take(usize::try_from(packed.unsigned_abs()).unwrap_or(usize::MAX))?;
             return if raw.len() == size { Ok(numbers(raw)) } else { Err(wrong_size(raw.len(), size)) };
         }
         let packed = bytes.take(usize::try_from(packed).unwrap_or(usize::MAX))?;

@@ -8,7 +8,7 @@ pub(super) mod voxels;
 
 use std::{collections::HashMap, ops::Range};
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
@@ -29,10 +29,11 @@ use super::{
 };
 use crate::{
     frame::{
-        CameraUniform, CloudFrame, Frame, Shared,
+        CameraUniform, CloudFrame, Frame, LitBy, Shared,
         medium::{Species, SpeciesTextures},
     },
     gpu::{self, Pack, Place, Shader},
+    scene::MAX_LIGHTS,
 };
 
 /// `Cloud` of `shaders/march.wgsl`.
@@ -54,6 +55,7 @@ pub struct CloudUniform {
     pub(crate) shadow_range: f32,
     pub(crate) curvature: f32,
     pub(crate) scene_depth: [f32; 4],
+    pub(crate) moons: [Vec4; MAX_LIGHTS],
 }
 
 /// What every cloud of a picture binds.
@@ -287,18 +289,29 @@ fn curvature(frame: &Frame, cloud: &CloudFrame) -> f32 {
     0.5 / frame.sky.uniform.atmosphere.ground_radius
 }
 
+/// Radius of a light's disc, rad; 0 where the sky shows none.
+fn disc_radius(frame: &Frame, radius: f32) -> f32 {
+    // A point is drawn as a disc too: it must not read as none.
+    if frame.camera.projection == CameraUniform::ORTHOGRAPHIC { 0.0 } else { radius.max(1e-6) }
+}
+
+/// Lights beside the sun that have discs: unit vectors to them, and radii, rad.
+fn moons(frame: &Frame) -> [Vec4; MAX_LIGHTS] {
+    let mut moons = [Vec4::ZERO; MAX_LIGHTS];
+    let discs = frame.lights().iter().filter(|light| light.by == LitBy::Sky);
+    for (moon, light) in moons.iter_mut().zip(discs) {
+        *moon = light.sun.to_sun.as_vec3().extend(disc_radius(frame, light.sun.radius));
+    }
+    moons
+}
+
 fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
     let (frame, quality) = (shared.frame, &shared.settings.quality);
     CloudUniform {
         camera: (frame.camera_position - cloud.origin).as_vec3(),
         opaque: quality.opaque,
         to_sun: frame.sun.to_sun.as_vec3(),
-        sun_radius: if frame.camera.projection == CameraUniform::ORTHOGRAPHIC {
-            0.0
-        } else {
-            // A point is drawn as a disc too: it must not read as none.
-            frame.sun.radius.max(1e-6)
-        },
+        sun_radius: disc_radius(frame, frame.sun.radius),
         sun_irradiance: frame.sun.irradiance,
         aerial_range: shared.sky.aerial_range(),
         base: (cloud.origin.y - cloud.half.y - frame.ground) as f32,
@@ -310,5 +323,6 @@ fn uniform(shared: &View<'_>, cloud: &CloudFrame) -> CloudUniform {
         shadow_range: shared.shadows.reach(),
         curvature: curvature(frame, cloud),
         scene_depth: shared.depth.map_or([0.0; 4], |depth| depth.coefficients(&frame.camera)),
+        moons: moons(frame),
     }
 }

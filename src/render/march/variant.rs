@@ -22,6 +22,7 @@ pub struct Variant {
     air_lit: bool,
     adds: bool,
     flash: bool,
+    moons: u32,
     sky_light: bool,
     scene_depth: bool,
     ground: bool,
@@ -39,13 +40,14 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 15] {
+    pub fn overrides(&self) -> [(&'static str, f64); 16] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
             ("ATMOSPHERE", flag(self.atmosphere)),
             ("AERIAL", flag(self.aerial)),
             ("AIR_SHADED", flag(self.air_shaded)),
+            ("MOONS", f64::from(self.moons)),
             ("FLASH", flag(self.flash)),
             ("AIR_LIT", flag(self.air_lit)),
             ("SKY_LIGHT", flag(self.sky_light)),
@@ -66,7 +68,8 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
     let species = &cloud.medium.species;
     // Which way a cloud faces has nothing to do with light.
     let lit = shared.entry != "normals";
-    let has_peak = species.truncated > 0.0 && settings.transport.0.needs.sun;
+    let hides_discs = settings.transport.0.needs.sun || settings.transport == Transport::DARK;
+    let has_peak = species.truncated > 0.0 && hides_discs;
     let is_flash = matches!(shared.frame.by, LitBy::Flash(..));
     let above = shared.frame.by == LitBy::Sky;
     let has_air = shared.sky.has_atmosphere();
@@ -83,6 +86,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         air_lit: above,
         adds: shared.adds,
         flash: is_flash,
+        moons: if lit { shared.frame.moons() } else { 0 },
         sky_light: lit && above && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
         // Between two points above the level of the ground below the camera there is none of it.

@@ -27,6 +27,8 @@ pub(super) struct Lamp {
     presence: Vec<Presence>,
     /// Tables and maps that were made so far.
     pub redone: u32,
+    /// Pictures since it shone last.
+    pub dark_for: u32,
 }
 
 /// What all lights of a picture share.
@@ -58,7 +60,15 @@ impl Lamp {
             shadows: Shadows::new(device),
             presence: Vec::new(),
             redone: 0,
+            dark_for: 0,
         }
+    }
+
+    /// Another picture without it; tells how many there were.
+    pub fn stays_dark(&mut self) -> u32 {
+        self.clouds.waiting = 0;
+        self.dark_for += 1;
+        self.dark_for
     }
 
     /// Tells what is wanted of each cloud; says which are.

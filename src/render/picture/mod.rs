@@ -9,10 +9,12 @@ mod pixels;
 mod resolve;
 mod target;
 
+use std::collections::HashMap;
+
 use rayon::prelude::*;
 
 use super::{
-    Counts, Quality, Settings,
+    Counts, Quality, Settings, Transport,
     march::{Counters, Cover, Draw, MANY, March, Variant, View},
     medium::Media,
     shadow::SunMap,
@@ -55,6 +57,9 @@ pub struct Renderer {
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
 }
+
+/// Pictures for which a light that does not shine keeps what it has.
+const FLICKER: u32 = 120;
 
 /// May submit what was recorded so far; says whether to go on.
 type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
@@ -264,13 +269,13 @@ impl Renderer {
         }
     }
 
-    /// One for each light beside the sun that shines; what others held is given back.
+    /// One for each light beside the sun that shines; what others held is given back after a while, for some flicker.
     fn keep_lamps(&mut self, further: &[(usize, Frame)]) {
         for (number, lamp) in self.further.iter_mut().enumerate() {
-            if further.iter().all(|(shining, _)| *shining != number) {
+            if further.iter().any(|(shining, _)| *shining == number) {
+                lamp.get_or_insert_with(|| Lamp::new(&self.device)).dark_for = 0;
+            } else if lamp.as_mut().is_some_and(|lamp| lamp.stays_dark() > FLICKER) {
                 *lamp = None;
-            } else if lamp.is_none() {
-                *lamp = Some(Lamp::new(&self.device));
             }
         }
     }
@@ -347,6 +352,22 @@ impl Renderer {
             draws = each_over_its_own(draws, own);
         }
         pieces::in_order(draws)
+    }
+
+    /// Clouds in a light that not all of them have, among the others, which are dark and stand before some.
+    fn among_dark(&mut self, frame: &Frame, own: Vec<(usize, Draw)>, way: Way<'_>) -> Vec<(usize, Draw)> {
+        let settings = Settings { transport: Transport::DARK, ..self.settings };
+        let room = Room {
+            device: &self.device,
+            queue: &self.queue,
+            settings: &settings,
+            timing: self.timing.as_ref(),
+            media: &self.media,
+            covers: &self.covers,
+        };
+        let all = self.sun.draws(&room, (&mut self.march, &self.counters), frame, None, way);
+        let mut own: HashMap<usize, Draw> = own.into_iter().collect();
+        all.into_iter().map(|(cloud, dark)| (cloud, own.remove(&cloud).unwrap_or(dark))).collect()
     }
 
     /// The same in the light of the sun, or of another by its number.

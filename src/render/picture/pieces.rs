@@ -138,7 +138,11 @@ impl Renderer {
         let [single, multiple, air] =
             ["single", "multiple", "air"].map(|label| self.cleared(encoder, label, frame));
         let way = Way { depth: None, entry: "layers", format: HDR, adds: false };
-        let draws = in_order(self.draws_of(frame, number, way));
+        let mut draws = self.draws_of(frame, number, way);
+        if matches!(frame.by, LitBy::Flash(..)) {
+            draws = self.among_dark(frame, draws, way);
+        }
+        let draws = in_order(draws);
         let [to_single, to_multiple, to_air] = [&single, &multiple, &air].map(view);
         let stage = Stage::new(draws, &[&to_single, &to_multiple, &to_air, distance]);
         (LightLayers { sky, single, multiple, air }, stage)

@@ -79,7 +79,8 @@ pub(super) struct FieldPass {
     entering: [ComputeProgram; 2],
     /// By medium.
     media: HashMap<&'static str, ComputeProgram>,
-    sweep: ComputeProgram,
+    /// Of light from outside, and from a ball within.
+    sweep: [ComputeProgram; 2],
     scatter: ComputeProgram,
     prolong: ComputeProgram,
     restrict: ComputeProgram,
@@ -115,7 +116,7 @@ impl FieldPass {
         Self {
             entering: [false, true].map(|air| program("moments_entering", &[("ATMOSPHERE", flag(air))])),
             media: HashMap::new(),
-            sweep: program("moments_sweep", &[]),
+            sweep: [false, true].map(|flash| program("moments_sweep", &[("FLASH", flag(flash))])),
             scatter: program("moments_scatter", &[]),
             prolong: program("moments_prolong", &[]),
             restrict: program("moments_restrict", &[]),
@@ -177,7 +178,9 @@ impl FieldPass {
         self.media
             .entry(role.1)
             .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[role], &[]));
-        let entering = vec![0.0f32; 3 * DIRECTIONS];
+        let none = vec![0.0f32; 3 * DIRECTIONS];
+        // Of a ball within all of its light counts, and none comes from outside.
+        let entering = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
         let solver = Solver {
             pass: self,
             inputs,
@@ -195,7 +198,7 @@ impl FieldPass {
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &directions()),
             entering: gpu::storage_buffer(device, "entering light", &entering),
-            none: gpu::storage_buffer(device, "no entering light", &entering),
+            none: gpu::storage_buffer(device, "no entering light", &none),
         };
         let stamps = inputs.timing.and_then(|timing| timing.compute("moments"));
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {

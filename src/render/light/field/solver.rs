@@ -123,8 +123,12 @@ impl Solver<'_> {
     /// Light goes along its directions and scatters.
     fn round(&self, pass: &mut Pass<'_>, stage: &Stage, entering: bool, relaxation: usize) {
         let sweep = &stage.sweep[usize::from(!entering)];
-        self.pass.sweep.record(pass, &[sweep], [DIRECTIONS as u32, self.lights.count(), 1]);
+        self.sweep_program().record(pass, &[sweep], [DIRECTIONS as u32, self.lights.count(), 1]);
         self.over_cells(pass, &self.pass.scatter, &stage.level, &stage.scatter[relaxation]);
+    }
+
+    fn sweep_program(&self) -> &ComputeProgram {
+        &self.pass.sweep[usize::from(self.flash.w > 0.0)]
     }
 
     /// What was found on the stage before comes on top.
@@ -158,7 +162,7 @@ impl Solver<'_> {
         };
         let sweep = [&self.entering, &self.none].map(|entering| {
             let buffers = [&level.buffer, &level.cells, &self.directions, entering, source, radiance];
-            bind(&self.pass.sweep, &buffers)
+            bind(self.sweep_program(), &buffers)
         });
         let lowest = f64::from(level.uniform.scattering.min_element());
         let relaxations =
