@@ -66,7 +66,8 @@ impl Recovery {
     /// # Errors
     /// [`Error::File`] where it can't be written.
     pub fn keep(&self, file: Option<&Path>, scene: &Scene) -> Result<()> {
-        let copy = Copy { file: file.map(Path::to_owned), scene: scene.clone() };
+        // Its volumes are found from there, wherever its own file is.
+        let copy = Copy { file: file.map(Path::to_owned), scene: scene.written_from(&self.folder) };
         let text = serde_json::to_string(&copy)
             .map_err(|error| Error::Argument(format!("the scene could not be kept: {error}")))?;
         write_whole(&self.copy, |file| file.write_all(text.as_bytes()))
@@ -115,9 +116,33 @@ fn read(copy: &Path) -> Option<Kept> {
     let at = fs::metadata(copy).and_then(|found| found.modified()).unwrap_or(UNIX_EPOCH);
     let Copy { file, mut scene } = serde_json::from_str(&fs::read_to_string(copy).ok()?).ok()?;
     scene.validate().ok()?;
-    let folder = file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-    if let Err(problem) = scene.read_volumes(folder) {
+    if let Err(problem) = scene.read_volumes(copy.parent().unwrap_or(Path::new(""))) {
         tracing::warn!(%problem, "a volume of what was left behind could not be read");
     }
     Some(Kept { file, scene, at, copy: copy.to_owned() })
+}
+
+#[cfg(all(test, feature = "import"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volumes_are_found_again_wherever_the_scene_was_to_be_saved() {
+        let folder = tempfile::tempdir().unwrap();
+        let [made, kept] = ["made", "kept"].map(|name| folder.path().join(name));
+        fs::create_dir_all(&made).unwrap();
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/half.vdb");
+        fs::copy(data, made.join("smoke.vdb")).unwrap();
+        let text = r#"{"clouds":[{"volume":{"file":"smoke.vdb"}}]}"#;
+        let mut scene = Scene::from_json(text).unwrap();
+        scene.read_volumes(&made).unwrap();
+        let recovery = Recovery::begin(&kept).unwrap();
+        // It was saved elsewhere since it was opened.
+        recovery.keep(Some(&folder.path().join("other/scene.json")), &scene).unwrap();
+        let found = read(&recovery.copy).unwrap();
+        assert!(found.scene.clouds[0].volume.as_ref().unwrap().read_grid().is_some());
+        found.scene.save(made.join("scene.json")).unwrap();
+        let saved = Scene::load(made.join("scene.json")).unwrap();
+        assert_eq!(saved.clouds[0].volume.as_ref().unwrap().file, "smoke.vdb");
+    }
 }

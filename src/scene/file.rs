@@ -95,14 +95,18 @@ impl Scene {
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
         let path = path.as_ref();
-        let text = if self.clouds.iter().any(|cloud| cloud.volume.is_some()) {
-            let mut written = self.clone();
-            written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder_of(path)));
-            written.to_json()
-        } else {
-            self.to_json()
+        let text = match self.clouds.iter().any(|cloud| cloud.volume.is_some()) {
+            true => self.written_from(folder_of(path)).to_json(),
+            false => self.to_json(),
         };
         write_whole(path, |file| file.write_all(text.as_bytes()))
+    }
+
+    /// The same scene in a file in `folder`: paths of volumes that were read are told from there.
+    pub(crate) fn written_from(&self, folder: &Path) -> Self {
+        let mut written = self.clone();
+        written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder));
+        written
     }
 
     /// Grows the clouds of a file that say how. Their numbers are looked at first: nothing grows from bad ones.
