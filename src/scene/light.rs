@@ -60,9 +60,10 @@ pub struct Lightning {
 }
 
 impl Default for Lightning {
-    /// A tenth of a kilometre wide and as bright as some suns, bluish.
+    /// Two hundred metres wide and about as bright as the sun there, bluish: what is around it is white, the rest of a
+    /// cloud of a kilometre glows.
     fn default() -> Self {
-        Self { position: DVec3::new(0.0, 1500.0, 0.0), radius: 100.0, irradiance: [8.0, 9.0, 12.0] }
+        Self { position: DVec3::new(0.0, 1500.0, 0.0), radius: 100.0, irradiance: [0.9, 1.0, 1.3] }
     }
 }
 
