@@ -43,7 +43,7 @@ impl MovingCamera {
         }
         let wanted = |names: &[String; 2]| name.is_none_or(|name| names.iter().any(|own| own == name));
         if let Some(&(node, projection, _)) = cameras.iter().find(|(.., names)| wanted(names)) {
-            let motion = file.motion()?;
+            let motion = file.motion(node)?;
             return Ok(Self { file, motion, node, projection });
         }
         let list: Vec<_> = cameras.iter().map(|(.., [node, _])| format!("`{node}`")).collect();

@@ -94,6 +94,13 @@ impl Scene {
         let mut scene = self.seen_by(at(0.0));
         let own = Timeline { length: (length * fps).round().max(1.0) / fps, fps, ..Timeline::default() };
         let timeline = scene.timeline.get_or_insert(own);
+        if f64::from(timeline.frames()) > MOST_FRAMES {
+            return Err(crate::Error::Argument(format!(
+                "the camera goes on for {length} seconds, which are {} frames of {fps} a second: a camera has at most \
+                 {MOST_FRAMES} of them; take its late keys away, or give the scene a timeline",
+                timeline.frames()
+            )));
+        }
         // The end of a loop is its beginning.
         let frames = i64::from(timeline.frames()) + i64::from(!timeline.looped);
         let times = (0..frames).map(|index| timeline.time_of(index)).filter(|time| *time <= timeline.length);
@@ -232,6 +239,9 @@ impl Noise {
         self.rate = 0.0;
     }
 }
+
+/// Most frames that a camera is followed over.
+const MOST_FRAMES: f64 = 1e6;
 
 /// Renewals of a loop that are none: what rounding leaves of rates that go there and back.
 const NO_RENEWAL: f64 = 1e-9;

@@ -67,7 +67,8 @@ fn light_is_finite_and_never_negative() {
 
 #[test]
 fn presets_are_in_their_picture() {
-    let mut renderer = renderer(Quality::DRAFT, Transport::default());
+    // What is covered has nothing to do with light, which takes minutes of fields.
+    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
     for preset in Preset::ALL {
         let scene = preset.scene(1);
         let picture = draw(&mut renderer, &scene, SIZE, false);

@@ -35,12 +35,13 @@ struct Track {
     values: Vec<DVec4>,
 }
 
-/// All that moves in a file. Of several animations of one node the first counts.
+/// All that moves a node of a file. Of several animations of one node the first counts.
 pub(in crate::import) struct Motion(Vec<Track>);
 
 impl Gltf {
-    /// Reads the animations.
-    pub fn motion(&self) -> Result<Motion> {
+    /// Reads the animations of node `index` and of those that it hangs on; what else moves is not looked at.
+    pub fn motion(&self, index: usize) -> Result<Motion> {
+        let chain = self.chain(index);
         let mut tracks: Vec<Track> = Vec::new();
         for animation in &self.document.animations {
             for channel in &animation.channels {
@@ -51,7 +52,7 @@ impl Gltf {
                     // Weights of meshes move no camera.
                     _ => continue,
                 };
-                let Some(node) = channel.target.node else { continue };
+                let Some(node) = channel.target.node.filter(|node| chain.contains(node)) else { continue };
                 if tracks.iter().any(|track| (track.node, track.part) == (node, part)) {
                     continue;
                 }
@@ -65,6 +66,16 @@ impl Gltf {
             }
         }
         Ok(Motion(tracks))
+    }
+
+    /// A node and those that it hangs on.
+    fn chain(&self, index: usize) -> Vec<usize> {
+        let mut chain = vec![index];
+        let parent = |of: usize| self.document.nodes.iter().position(|node| node.children.contains(&of));
+        while let Some(above) = parent(chain[chain.len() - 1]).filter(|above| !chain.contains(above)) {
+            chain.push(above);
+        }
+        chain
     }
 
     fn track(&self, node: usize, part: Part, sampler: &Sampler) -> Result<Track> {
