@@ -29,11 +29,11 @@ pub struct Volume {
     /// Name of the grid in the file; left out, the only one, or `density`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<String>,
-    /// Extinction coefficient where the grid is 1, per metre: 1 where the grid's values are extinctions, as in files
-    /// that nephos wrote.
+    /// Extinction coefficient where the grid is 1, per metre, 0 to 1000000: 1 where the grid's values are extinctions, as
+    /// in files that nephos wrote.
     #[schemars(range(min = EXTINCTION.min, max = EXTINCTION.max), extend("unit" = EXTINCTION.unit))]
     pub extinction: f64,
-    /// Metres of the file's unit of length: 0.01 for centimetres.
+    /// Metres of the file's unit of length, 0.000001 to 1000000: 0.01 for centimetres.
     #[schemars(range(min = SCALE.min, max = SCALE.max), extend("unit" = SCALE.unit))]
     pub scale: f64,
     /// Which axis of the file goes up: "y" or "z".
@@ -87,7 +87,7 @@ pub struct Brick {
     /// The order of the bytes of a number: "little" or "big".
     #[serde(default)]
     pub endian: Endian,
-    /// Edges of a voxel along x, y and z, in the file's unit of length; 1 where left out.
+    /// Edges of a voxel along x, y and z, in the file's unit of length, 0.000000001 to 1000000000; 1 where left out.
     #[serde(default = "unit_voxel")]
     #[schemars(inner(range(min = VOXEL.min, max = VOXEL.max)))]
     pub voxel: [f64; 3],
