@@ -8,3 +8,5 @@ override PEAK: bool = true;
 override ABSORBING: bool = false;
 // Whether the cloud repeats itself, and with it what was solved for: that is then told for all directions.
 override REPEATS: bool = false;
+// Whether the light comes from a ball in the cloud and not from outside.
+override FLASH: bool = false;

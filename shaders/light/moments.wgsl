@@ -9,15 +9,12 @@
 // What it leaves out, by scattering angle and optical depth.
 @group(2) @binding(6) var remainder: texture_2d<f32>;
 
-// Whether the light comes from a ball in the cloud: its own light is not seen, nor solved for, but that which
-// droplets scatter by their peak, as good as straight on, is.
-override FLASH: bool = false;
-
 struct LightSum {
     sun: SunSum,
     multiple: vec3f,
     diffuse: vec3f,
-    // How far ahead the flash is, and what is seen of the ray before it.
+    // A flash's own light is not seen, nor solved for, but that which droplets scatter by their peak, as good as straight
+    // on, is: how far ahead it is, and what is seen of the ray before it.
     flash_ahead: f32,
     before_flash: f32,
 }
