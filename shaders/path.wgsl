@@ -56,19 +56,20 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
     let offset = vec2f(draw(), draw());
     let ray = camera_ray(camera, pixel_ndc(camera, vec2f(pixel) + offset));
     let origin = scene.camera + ray.origin;
-    let high = scene.low + scene.cell * vec3f(scene.size);
-    let span = box_span(scene.low, high, origin, ray.direction);
+    let grid = scene.grids[0];
+    let high = grid.low + grid.cell * vec3f(grid.size);
+    let span = box_span(grid.low, high, origin, ray.direction);
     (*path).direction = ray.direction;
     (*path).origin = origin;
+    (*path).position = origin;
     // From far away the place is rounded by more than a hair of a cell, and must not be outside.
-    let hair = vec3f(1e-4 * scene.cell);
-    (*path).position = clamp(origin + span.x * ray.direction, scene.low + hair, high - hair);
-    if scene.repeats == 1u {
+    let hair = vec3f(1e-4 * grid.cell);
+    if !MANY_GRIDS && grid.repeats == 1u {
         enter_repeating(path, origin, ray.direction);
-    }
-    // A ray that misses the grid is outside at once.
-    if span.x >= span.y && scene.repeats == 0u {
-        (*path).position = scene.low - vec3f(scene.cell);
+    } else if !MANY_GRIDS {
+        // A ray that misses the only grid is outside at once.
+        let entry = clamp(origin + span.x * ray.direction, grid.low + hair, high - hair);
+        (*path).position = select(entry, grid.low - vec3f(grid.cell), span.x >= span.y);
     }
     (*path).throughput = vec3f(1.0);
     (*path).choice = vec3f(1.0);
@@ -82,8 +83,9 @@ fn start(path: ptr<function, Path>, pixel: vec2u, index: u32) {
 // the direction. A ray that meets the ground before or nothing at all is outside.
 fn enter_repeating(path: ptr<function, Path>, origin: vec3f, direction: vec3f) {
     let bend = max(scene.curvature * (1.0 - direction.y * direction.y), RAY_LEAST_BEND);
-    let low = scene.low.y;
-    let high = low + scene.cell * f32(scene.size.y);
+    let grid = scene.grids[0];
+    let low = grid.low.y;
+    let high = low + grid.cell * f32(grid.size.y);
     let over = ray_below(origin.y - high, direction.y, bend);
     let under = ray_below(origin.y - low, direction.y, bend);
     let ground = ray_below(origin.y + scene.altitude, direction.y, bend);
@@ -92,11 +94,11 @@ fn enter_repeating(path: ptr<function, Path>, origin: vec3f, direction: vec3f) {
         t = under.y;
     }
     let hidden = ground.x < ground.y && ground.x > 0.0 && ground.x < t;
-    t += 1e-4 * scene.cell;
+    t += 1e-4 * grid.cell;
     (*path).position = origin + t * direction + vec3f(0.0, bend * t * t, 0.0);
     (*path).direction = normalize(direction + vec3f(0.0, 2.0 * bend * t, 0.0));
     if over.x >= over.y || over.y < 0.0 || hidden {
-        (*path).position = scene.low - vec3f(scene.cell);
+        (*path).position = grid.low - vec3f(grid.cell);
     }
 }
 

@@ -6,16 +6,16 @@ use wgpu::naga::{Expression, Literal, Module, TypeInner, proc::Layouter};
 
 use crate::{
     frame::{
-        CameraUniform, MEDIA,
+        CameraUniform, MEDIA, MIXED,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
-            LayerUniform, NoiseFrame, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS,
-            VolumeUniform,
+            LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_VOLUMES, MixedUniform, NoiseFrame, PlacedLayerUniform,
+            PlacedVolumeUniform, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS, VolumeUniform,
         },
     },
     gpu,
     optics::slab::{SETS, axes, samples},
-    reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
+    reference::{self, GridUniform, MOST_GRIDS, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
         BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
         LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
@@ -51,6 +51,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
     let medium = match name {
         "Layer" => LAYER,
         "Volume" => VOLUME,
+        "PlacedLayer" | "PlacedVolume" | "Mixed" => MIXED,
         _ => MEDIA[0],
     };
     let roles = [&[medium], Transport::default().roles()].concat();
@@ -67,7 +68,11 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 21] = [
+    let cases: [(&str, &str, Layout); 25] = [
+        ("path", "Grid", layout!(GridUniform: low, cell, size, first, repeats, more)),
+        ("path", "PlacedLayer", layout!(PlacedLayerUniform: layer, origin, body)),
+        ("path", "PlacedVolume", layout!(PlacedVolumeUniform: volume, origin, body)),
+        ("path", "Mixed", layout!(MixedUniform: layers, volumes, layer_count, volume_count)),
         ("sun_map", "Caster", layout!(CasterUniform: light_box, tiles, turning)),
         (
             "sky",
@@ -77,7 +82,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "path",
             "Scene",
-            layout!(SceneUniform: low, cell, size, samples, camera, seed, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, repeats, curvature, flash),
+            layout!(SceneUniform: grids, camera, samples, to_sun, sun_radius, sun_irradiance, altitude, first, rounds, seed, curvature, flash),
         ),
         (
             "march",
@@ -217,6 +222,18 @@ fn bricks_of_volumes_are_as_the_shader_takes_them() {
     let text = gpu::entry_point("march", &[&[VOLUME], Transport::default().roles()].concat());
     assert!(text.contains(&format!("const VOLUME_CELLS: u32 = {VOLUME_CELLS}u;")));
     assert!(text.contains(&format!("const VOLUME_LEVELS: u32 = {VOLUME_LEVELS}u;")));
+}
+
+#[test]
+fn a_mixture_has_the_room_that_the_shader_takes() {
+    let text = gpu::entry_point("path", &[MIXED]);
+    for (name, count) in
+        [("MOST_LAYERS", MOST_LAYERS), ("MOST_VOLUMES", MOST_VOLUMES), ("MIXED_ROW", MIXED_ROW as usize)]
+    {
+        assert!(text.contains(&format!("const {name}: u32 = {count}u;")), "{name}");
+    }
+    assert_eq!(MOST_GRIDS, 1 + MOST_LAYERS);
+    assert!(text.contains(&format!("const MOST_GRIDS: u32 = {MOST_GRIDS}u;")));
 }
 
 #[test]

@@ -37,6 +37,13 @@ fn light_box_coordinate(box: LightBox, p: vec3f) -> vec3f {
     return vec3f(margin + box.repeat * fract((across - margin) / box.repeat), dot(q, box.row_w));
 }
 
+// Share of what a volume of `count` slices tells at texture coordinates that holds there: all of it in the box and in its
+// shadow, none beside or before it, rising to the middle of the first slice.
+fn light_box_entered(uvw: vec3f, count: u32) -> f32 {
+    let beside = any(uvw.xy < vec2f(0.0)) || any(uvw.xy > vec2f(1.0));
+    return select(saturate(2.0 * f32(count) * uvw.z), 0.0, beside);
+}
+
 // Edge of a brick, voxels: each brick has a list of the ellipsoids that reach into it.
 const BRICK: u32 = 8u;
 

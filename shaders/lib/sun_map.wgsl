@@ -56,6 +56,11 @@ fn sun_map_through(optical_depth: f32) -> f32 {
     return exp(-optical_depth);
 }
 
+// Optical depth that lets this share of light through: as good as none is through at most 1e-6.
+fn sun_map_depth(light: f32) -> f32 {
+    return -log(clamp(light, 1e-6, 1.0));
+}
+
 // Share of sunlight that comes out below a broad cloud in all, straight or scattered: Joseph, Wiscombe and Weinman,
 // "The delta-Eddington approximation", J. Atmos. Sci. 33, 1976, without absorption and over black ground; `optical_depth` is told
 // along the beam of elevation sine `mu`, and `turning` is 1 less the asymmetry.

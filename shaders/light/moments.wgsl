@@ -39,7 +39,7 @@ fn light_piece(sum: LightSum, piece: LitPiece) -> LightSum {
 fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
     let inside = field_inside(light.field_low, light.field_scale, light_ray_at(ray, node.t));
     var diffuse = sum.diffuse;
-    let multiple = sum.multiple + node.seen * source_of_sun(ray, inside, node.depth.x);
+    let multiple = sum.multiple + node.seen * source_of_sun(ray, inside, node);
     if SKY_LIGHT {
         diffuse += node.seen * source_of_sky(ray, inside);
     }
@@ -84,11 +84,14 @@ fn solved_of_sun(inside: vec3f, after: vec3f) -> f32 {
 }
 
 // Source of sunlight scattered more than once, per unit of irradiance.
-fn source_of_sun(ray: LightRay, inside: vec3f, depth: f32) -> vec3f {
+fn source_of_sun(ray: LightRay, inside: vec3f, node: Node) -> vec3f {
     count(MAP_READS, 1u);
     let after = -ray.direction;
-    let solved = solved_of_sun(inside, after);
-    let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(depth));
+    var solved = solved_of_sun(inside, after);
+    if SHADED {
+        solved *= node_lit(node);
+    }
+    let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(node.depth.x));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));
 }

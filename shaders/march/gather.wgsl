@@ -1,6 +1,6 @@
 // What is seen along a ray, gathered in pieces that are lit at once and at nodes, where light is that
 // changes slowly.
-// @use lighting ray_seen
+// @use lighting ray_seen shade
 
 // Whether facing is gathered instead of light.
 override NORMALS: bool = false;
@@ -55,11 +55,11 @@ fn add_node(t: f32, depth: vec2f, gathered: f32, seen: f32) {
 fn next_piece(m: ptr<function, March>, ray: LightRay, piece: Piece, t: f32) -> Piece {
     var sun = vec2f(0.0);
     if piece.seen > 0.0 {
-        sun = light_sun_depth(light_ray_at(ray, piece.end));
+        sun = sun_depth(light_ray_at(ray, piece.end));
         add_light(m, ray, piece, sun);
     }
     if t > piece.end {
-        sun = light_sun_depth(light_ray_at(ray, t));
+        sun = sun_depth(light_ray_at(ray, t));
     }
     return Piece(t, sun, 0.0, 0.0, 0.0);
 }

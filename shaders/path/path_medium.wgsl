@@ -53,8 +53,64 @@ struct Step {
     majorant: f32,
 }
 
+// Whether there are several grids.
+override MANY_GRIDS: bool = false;
+
 // Where a grid that repeats itself ends all the same, m.
 const FARTHEST: f32 = 5e5;
+
+// What a grid has at a point, and how far along a direction that is so, m; nothing of it lies ahead where that is NEVER.
+struct Crossing {
+    cell: Cell,
+    exit: f32,
+}
+
+const NEVER: f32 = 1e30;
+
+fn crossing(grid: Grid, p: vec3f, direction: vec3f) -> Crossing {
+    let place = (p - grid.low) / grid.cell;
+    let size = vec3i(grid.size);
+    var index = vec3i(floor(place));
+    if grid.repeats == 1u {
+        let like = ((index % size) + size) % size;
+        index = select(vec3i(like.x, index.y, like.z), vec3i(-1), max(abs(p.x), abs(p.z)) > FARTHEST);
+    }
+    if any(index < vec3i(0)) || any(index >= size) {
+        return Crossing(Cell(0u, 0u, 0.0, 0u), entry_ahead(grid, p, direction));
+    }
+    let cell = cells[grid.first + u32((index.z * size.y + index.y) * size.x + index.x)];
+    return Crossing(cell, cell_exit(place, grid.cell, f32(cell.clear), direction));
+}
+
+// Distance along a ray to a grid that it is not in, and a little beyond, m. Where there is but one, rays begin in it.
+fn entry_ahead(grid: Grid, p: vec3f, direction: vec3f) -> f32 {
+    if !MANY_GRIDS {
+        return NEVER;
+    }
+    var low = grid.low;
+    var high = grid.low + grid.cell * vec3f(grid.size);
+    if grid.repeats == 1u {
+        low = vec3f(-FARTHEST, low.y, -FARTHEST);
+        high = vec3f(FARTHEST, high.y, FARTHEST);
+    }
+    let span = box_span(low, high, p, direction);
+    return select(NEVER, span.x + 1e-4 * grid.cell, span.x < span.y);
+}
+
+// What all grids have at a point: as far as the nearest wall.
+fn crossing_of_all(p: vec3f, direction: vec3f) -> Crossing {
+    var all = crossing(scene.grids[0], p, direction);
+    if !MANY_GRIDS {
+        return all;
+    }
+    // A number that compilers don't know: they would write the loop out, which takes them minutes.
+    for (var i = 1u; i <= scene.grids[0].more; i++) {
+        let other = crossing(scene.grids[i], p, direction);
+        all.exit = min(all.exit, other.exit);
+        all.cell.majorant = max(all.cell.majorant, other.cell.majorant);
+    }
+    return all;
+}
 
 // Cells that one step crosses at the most; the next one goes on from there.
 const CELLS: u32 = 8u;
@@ -69,20 +125,13 @@ fn track(position: vec3f, direction: vec3f) -> Step {
     var tentative = false;
     var cell = Cell(0u, 0u, 0.0, 0u);
     for (var i = 0u; i < CELLS; i++) {
-        let place = (p - scene.low) / scene.cell;
-        var index = vec3i(floor(place));
-        if scene.repeats == 1u {
-            let size = vec3i(scene.size);
-            let like = ((index % size) + size) % size;
-            index = select(vec3i(like.x, index.y, like.z), vec3i(-1), max(abs(p.x), abs(p.z)) > FARTHEST);
-        }
-        outside = any(index < vec3i(0)) || any(index >= vec3i(scene.size));
+        let here = crossing_of_all(p, direction);
+        outside = here.exit >= NEVER;
         if outside {
             break;
         }
-        let c = vec3u(index);
-        cell = cells[(c.z * scene.size.y + c.y) * scene.size.x + c.x];
-        let exit = cell_exit(place, scene.cell, f32(cell.clear), direction);
+        cell = here.cell;
+        let exit = here.exit;
         tentative = cell.majorant * exit > left;
         if tentative {
             p += left / cell.majorant * direction;

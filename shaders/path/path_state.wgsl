@@ -1,18 +1,32 @@
 // What the path tracer is given, what it keeps of each path, and its random numbers.
 // @use atmosphere camera path_random
 
-struct Scene {
-    // Least corner of the grid relative to the scene's origin, m; the scene's origin is
-    // where ellipsoids and noise have theirs.
+// Cells that hold all there is of some clouds.
+struct Grid {
+    // Least corner relative to the scene's origin, m; the scene's origin is where ellipsoids have theirs.
     low: vec3f,
     // Edge of a cell, m.
     cell: f32,
     size: vec3u,
-    // Samples that each pixel shall have from here.
-    samples: u32,
+    // Where its cells begin.
+    first: u32,
+    // 1 where it repeats itself along x and z, else 0.
+    repeats: u32,
+    // Grids after it.
+    more: u32,
+    padding_0: u32,
+    padding_1: u32,
+}
+
+// Grids that there is room for: one of all that ends, then those of layers.
+const MOST_GRIDS: u32 = 5u;
+
+struct Scene {
+    grids: array<Grid, MOST_GRIDS>,
     // The camera's position, m from the scene's origin.
     camera: vec3f,
-    seed: u32,
+    // Samples that each pixel shall have from here.
+    samples: u32,
     to_sun: vec3f,
     // Angular radius of the sun's disc, rad.
     sun_radius: f32,
@@ -24,8 +38,7 @@ struct Scene {
     first: u32,
     // Steps of one thread in one dispatch.
     rounds: u32,
-    // 1 where the grid repeats itself along x and z, else 0.
-    repeats: u32,
+    seed: u32,
     // Half the earth's curvature, over which the camera sees the clouds, 1/m; 0 where they are small.
     curvature: f32,
     // A ball that shines in place of the sun: its centre, m from the scene's origin, and radius, m.

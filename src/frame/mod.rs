@@ -16,7 +16,7 @@ pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use camera::CameraUniform;
 pub(crate) use camera::Rays;
 pub(crate) use light::{FrameLight, LitBy};
-pub use medium::{MEDIA, NOISE_SIZE, bake_noise};
+pub use medium::{MEDIA, MIXED, NOISE_SIZE, bake_noise};
 
 use crate::{
     Error, Result,

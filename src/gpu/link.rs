@@ -18,15 +18,16 @@ pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
 
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.
 pub const PARTS: &[&[(&str, &str)]] = &[
-    sources!("march/": "counts", "gather", "steps"),
+    sources!("march/": "counts", "gather", "shade", "steps"),
     sources!("light/": "flags", "openness", "slab_maps", "slab_nodes", "slab_surface", "sunlight", "unshadowed"),
+    sources!("medium/": "ellipsoids_at"),
     sources!("path/": "path_flash", "path_medium", "path_state", "path_walk"),
 ];
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
     "aerial", "air_shadow", "compose", "depth_bake", "ground_light", "march", "mips", "moments_entering", "moments_keep", "moments_medium", "moments_prolong", "moments_restrict", "moments_scatter", "moments_sweep", "moments_tile", "moments_view", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
-    "sky_volume", "sun_map", "sun_maps", "sun_normals", "transmittance", "voxels",
+    "sky_volume", "sun_map", "sun_maps", "sun_normals", "sun_shade", "transmittance", "voxels",
 );
 
 /// A role and the source of the module that fills it.

@@ -4,7 +4,20 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use crate::frame::medium::{BodyUniform, EllipsoidUniform, LayerShape, World};
+use crate::frame::medium::{EllipsoidUniform, LayerShape, Part, VolumeShape, World};
+
+/// `Grid` of `shaders/path.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct GridUniform {
+    pub(crate) low: Vec3,
+    pub(crate) cell: f32,
+    pub(crate) size: UVec3,
+    pub(crate) first: u32,
+    pub(crate) repeats: u32,
+    pub(crate) more: u32,
+    padding: [u32; 2],
+}
 
 /// `Cell` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -16,6 +29,8 @@ pub struct Cell {
     pub(super) clear: u32,
 }
 
+/// Grids that there is room for.
+pub const MOST_GRIDS: usize = 5;
 /// Most cells along an axis, and one more for rounding.
 const LONGEST: u32 = 256;
 
@@ -38,27 +53,52 @@ pub struct Grid {
     pub cells: Vec<Cell>,
     /// Lists of ellipsoids that the cells point into.
     pub candidates: Vec<u32>,
+    /// Whether it repeats itself along x and z.
+    pub repeats: bool,
+}
+
+/// Grids in one list of cells.
+pub fn together(grids: &[Grid]) -> ([GridUniform; MOST_GRIDS], Vec<Cell>) {
+    let mut uniforms = [bytemuck::Zeroable::zeroed(); MOST_GRIDS];
+    let mut cells = Vec::new();
+    for (i, (to, grid)) in uniforms.iter_mut().zip(grids).enumerate() {
+        *to = GridUniform {
+            low: grid.low,
+            cell: grid.cell,
+            size: grid.size,
+            first: cells.len() as u32,
+            repeats: u32::from(grid.repeats),
+            more: (grids.len() - 1 - i) as u32,
+            padding: [0; 2],
+        };
+        cells.extend(&grid.cells);
+    }
+    (uniforms, cells)
 }
 
 impl Grid {
-    /// The grid of what a world has.
-    pub fn of(world: &World, cells: u32) -> Self {
-        match &world.layer {
-            Some(layer) => Self::of_layer(layer, &world.bodies[0]),
-            None => Self::new(world, cells),
-        }
+    /// The grids of what a world has: one of all that ends, then one of each layer.
+    pub fn of(world: &World, cells: u32) -> Vec<Self> {
+        let ends = world.ellipsoids.len() + world.volumes.len() > 0 || world.layers.is_empty();
+        let first = ends.then(|| Self::new(world, cells));
+        first.into_iter().chain(world.layers.iter().map(|layer| Self::of_layer(layer, world))).collect()
     }
 
-    /// A grid of about `cells` cubes around the ellipsoids: as fine in a flat layer as in a heap,
+    /// A grid of about `cells` cubes around the ellipsoids and volumes: as fine in a flat layer as in a heap,
     /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
     fn new(world: &World, cells: u32) -> Self {
-        let ellipsoids = &world.ellipsoids;
-        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
+        let boxes = world.volumes.iter().map(|Part { shape, origin, .. }| {
+            let (low, high) = shape.bounds();
+            (low + origin, high + origin)
+        });
+        let lumps = (!world.ellipsoids.is_empty()).then(|| EllipsoidUniform::bounds(&world.ellipsoids));
+        let all = lumps.into_iter().chain(boxes).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let (low, high) = all.unwrap_or_default();
         let extent = high - low;
         let even = (extent.x * extent.y * extent.z / cells as f32).cbrt();
         let cell = even.max(extent.max_element() / LONGEST as f32).max(1e-6);
         let size = (extent / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(LONGEST + 1));
-        let mut grid = Self { low, cell, size, cells: Vec::new(), candidates: Vec::new() };
+        let mut grid = Self { low, cell, size, cells: Vec::new(), candidates: Vec::new(), repeats: false };
         for z in 0..size.z {
             for y in 0..size.y {
                 for x in 0..size.x {
@@ -72,7 +112,8 @@ impl Grid {
 
     /// A grid over a period of a layer, which repeats along x and z as the layer does: as many cells as squares of the
     /// field whose greatest values are known.
-    fn of_layer(layer: &LayerShape, body: &BodyUniform) -> Self {
+    fn of_layer(Part { shape: layer, origin, body }: &Part<LayerShape>, world: &World) -> Self {
+        let body = &world.bodies[*body as usize];
         let half = layer.half().as_vec3();
         let squares = layer_squares(half);
         let cell = 2.0 * half.x / squares as f32;
@@ -87,11 +128,11 @@ impl Grid {
                     let square = [x, z].map(|i| f64::from(i) - 0.5 * f64::from(squares));
                     let there = layer.reaches(square, f64::from(squares), [low, high]);
                     let majorant = if there { most } else { 0.0 };
-                    cells.push(Cell { first: 0, count: u32::from(there), majorant, clear: 0 });
+                    cells.push(Cell { first: 0, count: 0, majorant, clear: 0 });
                 }
             }
         }
-        Self { low: -half, cell, size, cells, candidates: vec![0] }
+        Self { low: origin - half, cell, size, cells, candidates: Vec::new(), repeats: true }
     }
 
     fn push(&mut self, world: &World, index: UVec3) {
@@ -108,10 +149,11 @@ impl Grid {
             let e = &ellipsoids[i as usize];
             e.extinction * bodies[e.body as usize].most_profile(top)
         };
-        let mut majorant = list.iter().map(most).fold(0.0, f32::max);
-        if let Some(volume) = world.volume.as_ref().filter(|_| majorant > 0.0) {
-            majorant = volume.most_within(middle, radius);
-        }
+        // Those of a volume that is alone hold it, and are not seen.
+        let seen = if world.volumes.is_empty() || !world.is_alone() { list } else { &[] };
+        let lumps = seen.iter().map(most).fold(0.0, f32::max);
+        let volume = |part: &Part<VolumeShape>| part.shape.most_within(middle - part.origin, radius);
+        let majorant = world.volumes.iter().map(volume).fold(lumps, f32::max);
         let count = if majorant > 0.0 { list.len() as u32 } else { 0 };
         self.cells.push(Cell { first: first as u32, count, majorant, clear: 0 });
     }
@@ -121,7 +163,7 @@ impl Grid {
     fn clear(&mut self) {
         const FAR: u32 = 1 << 12;
         for cell in &mut self.cells {
-            cell.clear = if cell.count == 0 { FAR } else { 0 };
+            cell.clear = if cell.majorant > 0.0 { 0 } else { FAR };
         }
         let size = self.size.as_ivec3();
         let at = |p: IVec3| ((p.z * size.y + p.y) * size.x + p.x) as usize;
@@ -144,12 +186,19 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::medium::{NoiseFrame, Species};
+    use crate::frame::medium::{BodyUniform, NoiseFrame, Species};
     use crate::scene::{Cloud, Ellipsoid, Noise};
     use glam::{DQuat, DVec3};
 
     fn world(ellipsoids: Vec<EllipsoidUniform>, bodies: Vec<BodyUniform>) -> World {
-        World { origin: DVec3::ZERO, ellipsoids, species: Vec::new(), bodies, layer: None, volume: None }
+        World {
+            origin: DVec3::ZERO,
+            ellipsoids,
+            species: Vec::new(),
+            bodies,
+            layers: Vec::new(),
+            volumes: Vec::new(),
+        }
     }
 
     #[test]
@@ -169,7 +218,7 @@ mod tests {
         let noise = NoiseFrame::new(&Noise::default(), 100.0, DVec3::ZERO);
         let species = Species::of(&cloud.droplets).unwrap().uniform();
         let body = BodyUniform::new(&cloud, bounds, 0.0, noise, species, true);
-        let grid = Grid::of(&world(ellipsoids.clone(), vec![body]), 4000);
+        let grid = &Grid::of(&world(ellipsoids.clone(), vec![body]), 4000)[0];
         for i in 0..2000u32 {
             // A spiral through each ellipsoid's inside.
             let t = (f64::from(i) + 0.5) / 2000.0;
@@ -188,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_ellipsoids_has_one_empty_cell() {
-        let grid = Grid::of(&world(Vec::new(), Vec::new()), 4000);
+        let grid = &Grid::of(&world(Vec::new(), Vec::new()), 4000)[0];
         assert!(grid.cells.iter().all(|cell| cell.count == 0 && cell.majorant == 0.0));
     }
 }

@@ -8,7 +8,7 @@ mod stop;
 
 use std::time::Instant;
 
-use glam::{UVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 use crate::{
     Error, Result,
@@ -18,7 +18,9 @@ use crate::{
 };
 pub use estimate::Estimate;
 use estimate::Moments;
-use grid::Grid;
+pub use grid::GridUniform;
+pub(crate) use grid::MOST_GRIDS;
+use grid::{Grid, together};
 pub use media::{ANGLES, phase_table};
 pub use stop::{Progress, Stop};
 
@@ -26,19 +28,16 @@ pub use stop::{Progress, Stop};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SceneUniform {
-    pub(crate) low: Vec3,
-    pub(crate) cell: f32,
-    pub(crate) size: UVec3,
-    pub(crate) samples: u32,
+    pub(crate) grids: [GridUniform; MOST_GRIDS],
     pub(crate) camera: Vec3,
-    pub(crate) seed: u32,
+    pub(crate) samples: u32,
     pub(crate) to_sun: Vec3,
     pub(crate) sun_radius: f32,
     pub(crate) sun_irradiance: Vec3,
     pub(crate) altitude: f32,
     pub(crate) first: u32,
     pub(crate) rounds: u32,
-    pub(crate) repeats: u32,
+    pub(crate) seed: u32,
     pub(crate) curvature: f32,
     pub(crate) flash: Vec4,
 }
@@ -54,6 +53,8 @@ const PIECE: f64 = 0.075;
 const ROUNDS: [u32; 2] = [32, 1 << 16];
 /// Workgroups that one row of a dispatch may have.
 const MOST_GROUPS: u32 = 65535;
+/// Between the seeds of lights.
+const LIGHT_SEED: u32 = 0x9e37_79b9;
 /// Cells of the grid, about.
 const CELLS: u32 = 40 * 40 * 40;
 
@@ -130,27 +131,27 @@ impl PathTracer {
     /// # Errors
     /// As [`PathTracer::new`].
     pub fn with_options(gpu: &Gpu, frame: &Frame, options: &PathOptions) -> Result<Self> {
-        check_alone(frame)?;
-        World::check_volumes(frame, "path traced")?;
-        let further =
-            frame.lit_apart().into_iter().map(|(_, frame)| Self::with_options(gpu, &frame, options));
-        let further = further.collect::<Result<_>>()?;
         let world = World::new(frame);
-        let grid = Grid::of(&world, CELLS);
+        world.check_room()?;
+        let further = frame.lit_apart().into_iter().map(|(number, frame)| {
+            // Errors of lights add up as those of chance.
+            let seed = options.seed.wrapping_add(LIGHT_SEED.wrapping_mul(1 + number as u32));
+            Self::with_options(gpu, &frame, &PathOptions { seed, ..*options })
+        });
+        let further = further.collect::<Result<_>>()?;
+        let all = Grid::of(&world, CELLS);
+        let (grids, cells) = together(&all);
         let uniform = SceneUniform {
-            low: grid.low,
-            cell: grid.cell,
-            size: grid.size,
-            samples: 0,
+            grids,
             camera: (frame.camera_position - world.origin).as_vec3(),
-            seed: options.seed,
+            samples: 0,
             to_sun: frame.sun.to_sun.as_vec3(),
             sun_radius: frame.sun.radius,
             sun_irradiance: frame.sun.irradiance,
             altitude: (world.origin.y - frame.ground) as f32,
             first: 0,
             rounds: ROUNDS[0],
-            repeats: u32::from(world.layer.is_some()),
+            seed: options.seed,
             curvature: curvature(frame, &world),
             flash: flash(frame, &world),
         };
@@ -160,6 +161,7 @@ impl PathTracer {
         let lanes = options.lanes.unwrap_or_else(|| lanes(pixels, gpu)).max(1);
         let ground = frame.sky.atmosphere && frame.bounds().is_some_and(|(low, _)| low.y < frame.ground);
         let mut overrides = options.overrides(sky.has_atmosphere(), ground, lanes);
+        overrides.push(("MANY_GRIDS", f64::from(u8::from(all.len() > 1))));
         overrides.push(("FLASH", f64::from(u8::from(uniform.flash.w > 0.0))));
         let program = ComputeProgram::with_roles(device, "path", &[world.role()], &overrides);
         let threads = threads(frame.size(), lanes, &device.limits())?;
@@ -168,8 +170,8 @@ impl PathTracer {
         let unfinished = gpu::storage_buffer(device, "unfinished", &[0u32]);
         let camera = gpu::uniform_buffer(device, "camera", &frame.camera);
         let buffers = [
-            gpu::storage_buffer(device, "cells", &grid.cells),
-            gpu::storage_buffer(device, "candidates", &grid.candidates),
+            gpu::storage_buffer(device, "cells", &cells),
+            gpu::storage_buffer(device, "candidates", &all[0].candidates),
             gpu::storage_buffer(device, "phase tables", &phase_tables(&world, options.through_peak)?),
             gpu::storage_buffer(device, "paths", &vec![[0u8; PATH_BYTES]; threads]),
         ];
@@ -310,23 +312,12 @@ fn flash(frame: &Frame, world: &World) -> Vec4 {
     }
 }
 
-/// Half the curvature of the earth that a layer is seen over, 1/m.
+/// Half the curvature of the earth that a layer is seen over, 1/m: none where there are other clouds.
 fn curvature(frame: &Frame, world: &World) -> f32 {
-    let flat = world.layer.is_none() || frame.camera.projection == CameraUniform::ORTHOGRAPHIC;
+    let flat = world.layers.is_empty()
+        || !world.is_alone()
+        || frame.camera.projection == CameraUniform::ORTHOGRAPHIC;
     if flat { 0.0 } else { 0.5 / frame.sky.uniform.atmosphere.ground_radius }
-}
-
-/// A layer repeats itself, and other clouds do not.
-fn check_alone(frame: &Frame) -> Result<()> {
-    let layers = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_some()).count();
-    if layers > 0 && frame.clouds.len() > 1 {
-        return Err(Error::Argument(format!(
-            "a layer is path traced only by itself, and the scene shows {layers} layers among {} clouds: hide all but \
-             one layer, or the layers",
-            frame.clouds.len()
-        )));
-    }
-    Ok(())
 }
 
 /// Threads of a picture, if the device can hold their paths.

@@ -15,6 +15,7 @@ mod light_turns;
 mod lights;
 mod march;
 mod media;
+mod mixed;
 mod moments;
 mod noise;
 mod pieces;

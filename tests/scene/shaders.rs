@@ -39,7 +39,7 @@ fn all_library_modules_link_into_one() {
 }
 
 #[test]
-fn no_stage_binds_more_textures_than_leave_six_free() {
+fn no_stage_binds_more_textures_than_leave_five_free() {
     let march = ENTRY_POINTS.iter().find(|(name, _)| *name == "march").unwrap().1;
     // Group 3 is the vertex stage's.
     let is_texture = |line: &&str| {
@@ -56,7 +56,7 @@ fn no_stage_binds_more_textures_than_leave_six_free() {
         }
     }
     let found = MEDIA.iter().map(|medium| textures(*medium, Transport::MOMENTS)).max();
-    assert!(found <= Some(10), "{found:?}");
+    assert!(found <= Some(11), "{found:?}");
 }
 
 #[test]

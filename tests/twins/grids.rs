@@ -280,6 +280,18 @@ fn boxes() -> Vec<Twin> {
             x
         }),
         Twin::new(
+            "light_box_entered",
+            "light_box",
+            "return vec4f(light_box_entered(x[0].xyz, 8u));",
+            |x| {
+                let [u, v, w, _] = x[0];
+                let beside = [u, v].iter().any(|at| !(0.0..=1.0).contains(at));
+                // The middle of the first of eight slices is at a sixteenth.
+                one(if beside { 0.0 } else { (16.0 * w).clamp(0.0, 1.0) })
+            },
+        )
+        .edges(grid(&[-0.01, 0.0, 0.5, 1.0], &[0.25, 1.01], &[-1.0, 0.0, 0.03, 0.0625, 1.0, 9.0], &[0.0])),
+        Twin::new(
             "light_box_point",
             "light_box",
             "return vec4f(light_box_point(leaning(x), x[2].xyz), 0.0);",

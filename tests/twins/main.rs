@@ -37,7 +37,7 @@ mod textbook;
 mod volume;
 
 use harness::{Regime, Twin, error};
-use nephos::frame::MEDIA;
+use nephos::frame::{MEDIA, MIXED};
 use nephos::gpu::{ENTRY_POINTS, LIBRARY, PARTS};
 use nephos::render::Transport;
 
@@ -159,7 +159,12 @@ fn functions(source: &str) -> impl Iterator<Item = &str> {
 fn bound_modules() -> Vec<(&'static str, &'static str)> {
     let models = Transport::all().flat_map(|transport| transport.roles().iter().copied());
     let parts = PARTS.iter().copied().flatten().copied();
-    parts.chain(ENTRY_POINTS.iter().copied()).chain(MEDIA.iter().copied()).chain(models).collect()
+    parts
+        .chain(ENTRY_POINTS.iter().copied())
+        .chain(MEDIA.iter().copied())
+        .chain([MIXED])
+        .chain(models)
+        .collect()
 }
 
 #[test]

@@ -119,6 +119,11 @@ pub fn twins() -> Vec<Twin> {
         })
         .edges(line(&[0.0, 1e-6, 1.0, 80.0, 30_000.0]))
         .over("all", |random| scalars([random.log(1e-4, 80.0)])),
+        Twin::new("sun_map_depth", "sun_map", "return vec4f(sun_map_depth(x[0].x));", |x| {
+            one(if x[0][0] >= 1.0 { 0.0 } else { -x[0][0].max(1e-6).ln() })
+        })
+        .edges(line(&[0.0, 1e-9, 0.25, 1.0, 1.001]))
+        .over("all", |random| scalars([random.log(1e-5, 0.99)])),
         Twin::new("disc_tap", "sun_map", "return vec4f(disc_tap(u32(x[0].x)), 0.0, 0.0);", |x| {
             let golden = PI * (3.0 - 5f64.sqrt());
             let (radius, angle) = (((x[0][0].floor() + 0.5) / 8.0).sqrt(), golden * x[0][0].floor());

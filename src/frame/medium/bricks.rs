@@ -183,7 +183,7 @@ impl Bricks {
 
     /// A texel's share of the atlas along each axis.
     pub fn texel(&self) -> Vec3 {
-        (self.slots() * CORNERS).as_vec3().recip()
+        texel_of(self.slots())
     }
 
     /// Size and place in the index of each level.
@@ -200,47 +200,8 @@ impl Bricks {
 
     /// Uploads atlas and index.
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> VolumeTextures {
-        let slots = self.slots();
-        let size = slots * CORNERS;
-        let atlas = gpu::texture(
-            device,
-            &TextureDesc {
-                label: "volume atlas",
-                size: size.to_array(),
-                mips: 1,
-                format: wgpu::TextureFormat::R16Float,
-                usage: wgpu::TextureUsages::empty(),
-            },
-        );
-        let row = slots.x as usize;
-        // A row of bricks at a time: what is under way stays small.
-        for (number, some) in self.stored.chunks(row).enumerate() {
-            let bricks: Vec<_> = some.par_iter().map(|(level, at)| self.halves(*level, *at)).collect();
-            let width = row * CORNERS as usize;
-            let edge = CORNERS as usize;
-            let mut texels = vec![f16::ZERO; width * edge * edge];
-            for (i, brick) in bricks.iter().enumerate() {
-                for (line, values) in brick.chunks_exact(edge).enumerate() {
-                    let at = line * width + i * edge;
-                    texels[at..at + edge].copy_from_slice(values);
-                }
-            }
-            let number = number as u32;
-            let origin =
-                wgpu::Origin3d { x: 0, y: CORNERS * (number % slots.y), z: CORNERS * (number / slots.y) };
-            queue.write_texture(
-                wgpu::TexelCopyTextureInfo { origin, ..atlas.as_image_copy() },
-                bytemuck::cast_slice(&texels),
-                wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(2 * size.x),
-                    rows_per_image: Some(CORNERS),
-                },
-                wgpu::Extent3d { width: size.x, height: CORNERS, depth_or_array_layers: CORNERS },
-            );
-        }
         VolumeTextures {
-            atlas: gpu::view(&atlas),
+            atlas: atlas(device, queue, &[self]),
             index: gpu::storage_buffer(device, "volume index", &self.index),
         }
     }
@@ -255,11 +216,76 @@ impl Bricks {
     }
 }
 
+/// The index of the bricks of some grids, one after the other: where that of each begins, and its entries, which number
+/// bricks in the atlas of all.
+pub(crate) fn index_of(all: &[&Bricks]) -> (Vec<u32>, Vec<u32>) {
+    let (mut firsts, mut entries, mut before) = (Vec::new(), Vec::new(), 0);
+    for bricks in all {
+        firsts.push(entries.len() as u32);
+        let own = bricks.index.iter();
+        entries.extend(own.map(|&entry| if entry == 0 { 0 } else { entry + before }));
+        before += bricks.stored.len() as u32;
+    }
+    (firsts, entries)
+}
+
+/// How many bricks of some grids their common atlas has along each axis.
+pub(crate) fn slots_of(all: &[&Bricks]) -> UVec3 {
+    slots(all.iter().map(|bricks| bricks.stored.len()).sum())
+}
+
+/// The common atlas of the bricks of some grids.
+pub(crate) fn atlas(device: &wgpu::Device, queue: &wgpu::Queue, all: &[&Bricks]) -> wgpu::TextureView {
+    let slots = slots_of(all);
+    let size = slots * CORNERS;
+    let desc = TextureDesc {
+        label: "volume atlas",
+        size: size.to_array(),
+        mips: 1,
+        format: wgpu::TextureFormat::R16Float,
+        usage: wgpu::TextureUsages::empty(),
+    };
+    let atlas = gpu::texture(device, &desc);
+    let stored: Vec<_> = all.iter().flat_map(|of| of.stored.iter().map(move |brick| (*of, *brick))).collect();
+    let (row, edge) = (slots.x as usize, CORNERS as usize);
+    // A row of bricks at a time: what is under way stays small.
+    for (number, some) in stored.chunks(row).enumerate() {
+        let bricks: Vec<_> = some.par_iter().map(|(of, (level, at))| of.halves(*level, *at)).collect();
+        let width = row * edge;
+        let mut texels = vec![f16::ZERO; width * edge * edge];
+        for (i, brick) in bricks.iter().enumerate() {
+            for (line, values) in brick.chunks_exact(edge).enumerate() {
+                let at = line * width + i * edge;
+                texels[at..at + edge].copy_from_slice(values);
+            }
+        }
+        let number = number as u32;
+        let origin =
+            wgpu::Origin3d { x: 0, y: CORNERS * (number % slots.y), z: CORNERS * (number / slots.y) };
+        queue.write_texture(
+            wgpu::TexelCopyTextureInfo { origin, ..atlas.as_image_copy() },
+            bytemuck::cast_slice(&texels),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(2 * size.x),
+                rows_per_image: Some(CORNERS),
+            },
+            wgpu::Extent3d { width: size.x, height: CORNERS, depth_or_array_layers: CORNERS },
+        );
+    }
+    gpu::view(&atlas)
+}
+
 /// A volume on a device.
 #[derive(Clone)]
 pub(crate) struct VolumeTextures {
     pub atlas: wgpu::TextureView,
     pub index: wgpu::Buffer,
+}
+
+/// A texel's share of an atlas of so many bricks along each axis.
+pub(crate) fn texel_of(slots: UVec3) -> Vec3 {
+    (slots * CORNERS).as_vec3().recip()
 }
 
 /// How many bricks an atlas has along each axis, for at least `count`.

@@ -16,11 +16,7 @@ use rand_chacha::{
 };
 use rayon::prelude::*;
 
-use crate::{
-    frame::Shared,
-    gpu::{self, TextureDesc},
-    scene::Layer,
-};
+use crate::{frame::Shared, gpu, scene::Layer};
 
 /// Texels along an edge.
 pub(super) const TEXELS: usize = 1024;
@@ -104,11 +100,10 @@ impl Tile {
 
     /// Uploads the field with its mips, and its peaks by square.
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> TileTextures {
-        let field = self.levels.iter().map(|level| level.iter().map(|t| t.map(f16::from_f32)).collect());
         let first = (TEXELS / SQUARES).ilog2() as usize;
         let peaks: Vec<f32> = self.peaks[first..].concat();
         TileTextures {
-            field: texture(device, queue, "layer field", field),
+            field: gpu::view(&fields(device, queue, &[self])),
             peaks: gpu::storage_buffer(device, "layer peaks", &peaks),
         }
     }
@@ -121,26 +116,37 @@ pub(crate) struct TileTextures {
     pub peaks: wgpu::Buffer,
 }
 
-fn texture(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    label: &str,
-    levels: impl Iterator<Item = Vec<[f16; 4]>>,
-) -> wgpu::TextureView {
+/// The fields of some tiles with their mips, as layers of a texture.
+pub(super) fn fields(device: &wgpu::Device, queue: &wgpu::Queue, tiles: &[&Tile]) -> wgpu::Texture {
     let size = TEXELS as u32;
-    let (format, usage) = (wgpu::TextureFormat::Rgba16Float, wgpu::TextureUsages::empty());
-    let mips = size.ilog2() + 1;
-    let texture = gpu::texture(device, &TextureDesc { label, size: [size, size, 0], mips, format, usage });
-    for (mip_level, texels) in (0..).zip(levels) {
-        let edge = size >> mip_level;
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() },
-            bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * edge), rows_per_image: None },
-            wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
-        );
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("layer field"),
+        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: tiles.len() as u32 },
+        mip_level_count: size.ilog2() + 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (z, tile) in (0..).zip(tiles) {
+        for (mip_level, level) in (0..).zip(&tile.levels) {
+            let texels: Vec<_> = level.iter().map(|texel| texel.map(f16::from_f32)).collect();
+            let edge = size >> mip_level;
+            let origin = wgpu::Origin3d { x: 0, y: 0, z };
+            queue.write_texture(
+                wgpu::TexelCopyTextureInfo { mip_level, origin, ..texture.as_image_copy() },
+                bytemuck::cast_slice(&texels),
+                wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(8 * edge),
+                    rows_per_image: None,
+                },
+                wgpu::Extent3d { width: edge, height: edge, depth_or_array_layers: 1 },
+            );
+        }
     }
-    gpu::view(&texture)
+    texture
 }
 
 /// Numbers from a seed.

@@ -8,6 +8,7 @@ mod depth_volume;
 mod ellipsoids;
 mod layer;
 mod layer_tile;
+mod mixed;
 mod noise;
 mod species;
 mod volume;
@@ -29,13 +30,19 @@ pub(crate) use layer::{LAYER, LayerShape, LayerUniform};
 #[cfg(test)]
 pub(crate) use layer_tile::SQUARES;
 pub(crate) use layer_tile::{Tile, TileTextures};
+pub use mixed::MIXED;
+use mixed::Mixed;
+#[cfg(test)]
+pub(crate) use mixed::{
+    MOST_LAYERS, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedVolumeUniform, ROW as MIXED_ROW,
+};
 #[cfg(test)]
 pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
 pub(crate) use volume::{VOLUME, VolumeShape, VolumeUniform};
-pub(crate) use world::World;
+pub(crate) use world::{Part, World};
 
 use crate::{
     Result,
@@ -305,6 +312,26 @@ impl Common {
             wgpu::BindingResource::Sampler(&sampler),
         ];
         self.group(device, layout, &gpu::uniform_buffer(device, "volume", volume), &rest)
+    }
+
+    /// For `shaders/medium/mixed.wgsl`.
+    fn bind_mixed(
+        &self,
+        device: &wgpu::Device,
+        layout: &wgpu::BindGroupLayout,
+        ellipsoids: &[EllipsoidUniform],
+        mixed: &Mixed,
+    ) -> wgpu::BindGroup {
+        let sampler = gpu::linear_clamp_flat(device);
+        let texture = |view| wgpu::BindingResource::TextureView(view);
+        let rest = [
+            mixed.uniform.as_entire_binding(),
+            texture(&mixed.fields),
+            texture(&mixed.index),
+            texture(&mixed.atlas),
+            wgpu::BindingResource::Sampler(&sampler),
+        ];
+        self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &rest)
     }
 
     /// For `shaders/medium/depth_volume.wgsl`.

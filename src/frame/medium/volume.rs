@@ -84,6 +84,11 @@ impl VolumeShape {
         Ok(Self { bricks, uniform, bounds: ((low - origin).as_vec3(), (high - origin).as_vec3()) })
     }
 
+    /// The box around it, in its frame, m.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
     /// The part of a box in its frame that its bricks may be in.
     pub fn clip(&self, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
         let (own_low, own_high) = self.bounds;

@@ -1,9 +1,11 @@
 //! All clouds of a frame in one frame of coordinates, for those that ask all at once.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::{
-    BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Species, VOLUME, VolumeShape,
+    BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Medium, Species, VOLUME,
+    VolumeShape,
+    mixed::{MIXED, MOST_LAYERS, MOST_VOLUMES, Mixed},
     upload_noise,
 };
 use crate::{
@@ -12,73 +14,118 @@ use crate::{
     gpu::{Gpu, Role, view},
 };
 
-/// The union of all clouds but layers and volumes; a layer or a volume where that is all there is.
+/// The clouds of a frame: their union.
 pub(crate) struct World {
-    /// Its origin: the middle of all clouds.
+    /// Its origin: the middle of all clouds that end, or that of a layer.
     pub origin: DVec3,
-    /// Cloud after cloud.
+    /// Cloud after cloud; where there is nothing but a volume, what holds that.
     pub ellipsoids: Vec<EllipsoidUniform>,
     /// What they are made of: each kind once.
     pub species: Vec<Shared<Species>>,
     /// The clouds.
     pub bodies: Vec<BodyUniform>,
-    /// The layer.
-    pub layer: Option<LayerShape>,
-    /// The volume, which its ellipsoids hold.
-    pub volume: Option<VolumeShape>,
+    pub layers: Vec<Part<LayerShape>>,
+    pub volumes: Vec<Part<VolumeShape>>,
+}
+
+/// A layer or a volume.
+#[derive(Debug, Clone)]
+pub(crate) struct Part<T> {
+    pub shape: T,
+    /// The origin of its own frame in that of all, m.
+    pub origin: Vec3,
+    /// Its body.
+    pub body: u32,
 }
 
 impl World {
+    /// All clouds of a frame.
     pub fn new(frame: &Frame) -> Self {
-        if let [cloud] = frame.clouds.as_slice()
-            && let Some(layer) = &cloud.medium.layer
-        {
-            return Self::of_layer(cloud, layer);
+        let mut world = Self::without_layers(frame);
+        let layers = frame.clouds.iter().filter_map(|cloud| Some((cloud, cloud.medium.layer.as_ref()?)));
+        for (cloud, layer) in layers {
+            if world.bodies.is_empty() {
+                world.origin = cloud.origin;
+            }
+            let part = world.part(cloud, layer.clone());
+            world.layers.push(part);
         }
-        if let [cloud] = frame.clouds.as_slice()
+        world
+    }
+
+    /// The clouds that end.
+    pub fn without_layers(frame: &Frame) -> Self {
+        let mut ends = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none());
+        if let (Some(cloud), None) = (ends.next(), ends.next())
             && let Some(volume) = &cloud.medium.volume
+            && frame.clouds.len() == 1
         {
             return Self::of_volume(cloud, volume);
         }
         let (low, high) = frame.bounds().unwrap_or_default();
-        let origin = 0.5 * (low + high);
-        let (mut ellipsoids, mut bodies, mut species) = (Vec::new(), Vec::new(), Vec::new());
-        for cloud in frame.clouds.iter().filter(|cloud| cloud.medium.is_of_ellipsoids()) {
-            let offset = cloud.origin - origin;
-            ellipsoids.extend(cloud.medium.moved(offset, bodies.len() as u32));
-            bodies.push(cloud.medium.body_at(offset, cloud.medium.species_among(&mut species)));
+        let mut world = Self::empty(0.5 * (low + high));
+        for cloud in &frame.clouds {
+            if let Some(volume) = &cloud.medium.volume {
+                let part = world.part(cloud, volume.clone());
+                world.volumes.push(part);
+            } else if cloud.medium.layer.is_none() {
+                let (offset, body) = (cloud.origin - world.origin, world.bodies.len() as u32);
+                world.ellipsoids.extend(cloud.medium.moved(offset, body));
+                let table = cloud.medium.species_among(&mut world.species);
+                world.bodies.push(cloud.medium.body_at(offset, table));
+            }
         }
-        Self { origin, ellipsoids, species, bodies, layer: None, volume: None }
+        world
     }
 
-    fn of_layer(cloud: &CloudFrame, layer: &LayerShape) -> Self {
-        let medium = &cloud.medium;
-        Self {
-            origin: cloud.origin,
-            ellipsoids: Vec::new(),
-            species: vec![medium.species.clone()],
-            bodies: vec![medium.body],
-            layer: Some(layer.clone()),
-            volume: None,
-        }
+    fn empty(origin: DVec3) -> Self {
+        let (ellipsoids, species, bodies) = Default::default();
+        Self { origin, ellipsoids, species, bodies, layers: Vec::new(), volumes: Vec::new() }
     }
 
     fn of_volume(cloud: &CloudFrame, volume: &VolumeShape) -> Self {
-        let medium = &cloud.medium;
-        Self {
-            origin: cloud.origin,
-            ellipsoids: medium.ellipsoids.clone(),
-            species: vec![medium.species.clone()],
-            bodies: vec![medium.body],
-            layer: None,
-            volume: Some(volume.clone()),
-        }
+        let mut world = Self::empty(cloud.origin);
+        let part = world.part(cloud, volume.clone());
+        world.volumes.push(part);
+        world.ellipsoids.clone_from(&cloud.medium.ellipsoids);
+        world
     }
 
-    /// Refuses frames that it is not all of: `done` says what is done to the clouds.
+    /// A cloud in its own frame.
+    fn part<T>(&mut self, cloud: &CloudFrame, shape: T) -> Part<T> {
+        let medium: &Medium = &cloud.medium;
+        let (origin, body) = ((cloud.origin - self.origin).as_vec3(), self.bodies.len() as u32);
+        let table = medium.species_among(&mut self.species);
+        self.bodies.push(BodyUniform { table, ..medium.body });
+        Part { shape, origin, body }
+    }
+
+    /// Whether there is nothing but a layer, or nothing but a volume.
+    pub fn is_alone(&self) -> bool {
+        self.bodies.len() == 1
+    }
+
+    /// Refuses frames that hold more than there is room for.
     ///
     /// # Errors
-    /// [`Error::Argument`] where there is a volume among other clouds.
+    /// [`Error::Argument`] where there are too many layers or volumes.
+    pub fn check_room(&self) -> Result<()> {
+        for (count, most, what) in
+            [(self.layers.len(), MOST_LAYERS, "layers"), (self.volumes.len(), MOST_VOLUMES, "volumes")]
+        {
+            if count > most {
+                return Err(Error::Argument(format!(
+                    "at most {most} {what} are path traced together, and the scene shows {count}: hide some of them"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses frames with a volume among other clouds: `done` says what is done to the clouds.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where there is one.
     pub fn check_volumes(frame: &Frame, done: &str) -> Result<()> {
         let volumes = frame.clouds.iter().filter(|cloud| cloud.medium.volume.is_some()).count();
         if volumes > 0 && frame.clouds.len() > 1 {
@@ -93,25 +140,27 @@ impl World {
 
     /// The module that fills the role of the medium.
     pub fn role(&self) -> Role<'static> {
-        match (&self.layer, &self.volume) {
-            (Some(_), _) => LAYER,
-            (None, Some(_)) => VOLUME,
-            (None, None) => ELLIPSOIDS,
+        match (self.layers.len(), self.volumes.len()) {
+            (0, 0) => ELLIPSOIDS,
+            (1, _) if self.is_alone() => LAYER,
+            (_, 1) if self.is_alone() => VOLUME,
+            _ => MIXED,
         }
     }
 
     /// What shaders bind for it as their group of the medium.
     pub fn bind(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        let noise_volume = view(&upload_noise(&gpu.device, &gpu.queue));
-        let common = Common::new(&gpu.device, &self.bodies, noise_volume);
-        if let Some(layer) = &self.layer {
-            let tile = layer.tile.upload(&gpu.device, &gpu.queue);
-            return common.bind_layer(&gpu.device, layout, &layer.uniform, &tile);
+        let (device, queue) = (&gpu.device, &gpu.queue);
+        let common = Common::new(device, &self.bodies, view(&upload_noise(device, queue)));
+        match (self.layers.as_slice(), self.volumes.as_slice()) {
+            ([], []) => common.bind_ellipsoids(device, layout, &self.ellipsoids),
+            ([Part { shape, .. }], _) if self.is_alone() => {
+                common.bind_layer(device, layout, &shape.uniform, &shape.tile.upload(device, queue))
+            }
+            (_, [Part { shape, .. }]) if self.is_alone() => {
+                common.bind_volume(device, layout, &shape.uniform, &shape.bricks.upload(device, queue))
+            }
+            _ => common.bind_mixed(device, layout, &self.ellipsoids, &Mixed::new(gpu, self)),
         }
-        if let Some(volume) = &self.volume {
-            let textures = volume.bricks.upload(&gpu.device, &gpu.queue);
-            return common.bind_volume(&gpu.device, layout, &volume.uniform, &textures);
-        }
-        common.bind_ellipsoids(&gpu.device, layout, &self.ellipsoids)
     }
 }

@@ -58,33 +58,19 @@ impl Lean {
 
 impl LightBox {
     /// The tightest box around `own` with columns along `along`, one texel of
-    /// `resolution` wider on each side, and those of `others` that shade it.
-    pub(super) fn new(
-        own: &[EllipsoidUniform],
-        others: &[EllipsoidUniform],
-        along: Vec3,
-        resolution: u32,
-    ) -> (Self, Vec<EllipsoidUniform>) {
+    /// `resolution` wider on each side.
+    pub(super) fn new(own: &[EllipsoidUniform], along: Vec3, resolution: u32) -> Self {
         let half =
             [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| extent(own, axis)).map(|(low, high)| 0.5 * (high - low));
         let Lean { across, rows } = Lean::new(half.into(), along);
         let ranges = rows.map(|row| extent(own, row));
-        let shades = |e: &&EllipsoidUniform| {
-            let overlap = |i: usize| {
-                let (low, high) = extent(std::slice::from_ref(*e), rows[i]);
-                low < ranges[i].1 && high > ranges[i].0
-            };
-            // It may stand beside the cloud or before it, not behind.
-            overlap(0) && overlap(1) && extent(std::slice::from_ref(*e), rows[2]).0 < ranges[2].1
-        };
-        let shading: Vec<_> = others.iter().filter(shades).copied().collect();
         let texels = [0, 1].map(|i| (ranges[i].1 - ranges[i].0) / (resolution - 2) as f32);
         let margin = texels[0].max(texels[1]).min(ranges[2].1 - ranges[2].0);
         let sizes = texels.map(|texel| texel * resolution as f32);
         let (start, length) = (ranges[2].0 - 0.5 * margin, ranges[2].1 - ranges[2].0 + margin);
         let corner =
             (ranges[0].0 - texels[0]) * across[0] + (ranges[1].0 - texels[1]) * across[1] + start * along;
-        let light_box = Self {
+        Self {
             corner,
             texel: texels[0].max(texels[1]),
             row_u: rows[0] / sizes[0],
@@ -95,8 +81,7 @@ impl LightBox {
             edge_v: sizes[1] * across[1],
             along,
             ..bytemuck::Zeroable::zeroed()
-        };
-        (light_box, shading)
+        }
     }
 
     /// The same box in a frame whose origin is at `-offset` of its own, m.
@@ -111,19 +96,23 @@ impl LightBox {
         if self.repeat > 0.0 { (2.0 * (reach / period).ceil() + 1.0).min(MOST_TILES) as u32 } else { 1 }
     }
 
+    /// Which way columns go in the box around a medium in light along `along`.
+    pub(super) fn way(medium: &Medium, along: Vec3) -> Vec3 {
+        if medium.layer.is_some() { steepened(along) } else { along }
+    }
+
     /// The box around a medium with columns along `along`.
     pub(super) fn around(medium: &Medium, along: Vec3, resolution: u32) -> Self {
         match &medium.layer {
             Some(layer) => Self::of_layer(layer.half().as_vec3(), along, resolution),
-            None => Self::new(&medium.ellipsoids, &[], along, resolution).0,
+            None => Self::new(&medium.ellipsoids, along, resolution),
         }
     }
 
     /// The box around a period of a layer of this half-extent, that repeats as the layer does; one texel wider on each
     /// side, so that what is between texels is known there, too. Columns are no flatter than [`FLATTEST`].
     fn of_layer(half: Vec3, along: Vec3, resolution: u32) -> Self {
-        let steep = along.y.abs().max(FLATTEST).copysign(if along.y > 0.0 { 1.0 } else { -1.0 });
-        let along = along.with_y(steep).normalize();
+        let along = steepened(along);
         let lean = [along.x, along.z].map(|across| across / along.y);
         let rows = [Vec3::new(1.0, -lean[0], 0.0), Vec3::new(0.0, -lean[1], 1.0)];
         let texel = 2.0 * half.x / (resolution - 2) as f32;
@@ -153,6 +142,12 @@ impl LightBox {
         let along = (self.length / self.texel).ceil() as u32;
         [resolution, resolution, along.clamp(resolution / 4, 2 * resolution)]
     }
+}
+
+/// The same direction, no flatter than [`FLATTEST`].
+fn steepened(along: Vec3) -> Vec3 {
+    let steep = along.y.abs().max(FLATTEST).copysign(if along.y > 0.0 { 1.0 } else { -1.0 });
+    along.with_y(steep).normalize()
 }
 
 fn extent(ellipsoids: &[EllipsoidUniform], axis: Vec3) -> (f32, f32) {

@@ -1,6 +1,5 @@
 //! Lists of the ellipsoids that reach into each brick of a light box, so that a sample asks only
-//! those at hand however many a cloud has; and of those of other clouds that may stand between
-//! the sun and each tile of its top.
+//! those at hand however many a cloud has.
 
 use glam::{UVec3, Vec3};
 
@@ -41,36 +40,6 @@ impl Bricks {
         Self::sorted(placed.collect(), bricks.element_product())
     }
 
-    /// Lists by tile of the box's top, x fastest, of ellipsoids that stand before it.
-    fn before(light_box: &LightBox, ellipsoids: &[EllipsoidUniform], voxels: [u32; 3]) -> Self {
-        let (size, bricks) = sizes(voxels);
-        let tiles = bricks.with_z(1);
-        let before = (0..).zip(ellipsoids).filter(|(_, e)| starts_before(light_box, e));
-        let placed = before.flat_map(|(i, e)| {
-            let (low, high) = reach(light_box, e, size, bricks);
-            places((low.with_z(0), high.with_z(1)), tiles).map(move |place| (place, i))
-        });
-        Self::sorted(placed.collect(), tiles.element_product())
-    }
-
-    /// Lists of what is of a cloud's own by brick, then of those of `others` by brick and by tile.
-    pub fn with_others(
-        light_box: &LightBox,
-        own: &Medium,
-        others: &[EllipsoidUniform],
-        voxels: [u32; 3],
-    ) -> Self {
-        let own = Self::of(light_box, own, voxels);
-        own.and(Self::new(light_box, others, voxels)).and(Self::before(light_box, others, voxels))
-    }
-
-    fn and(mut self, next: Self) -> Self {
-        let offset = self.candidates.len() as u32;
-        self.lists.extend(next.lists.into_iter().map(|[first, count]| [first + offset, count]));
-        self.candidates.extend(next.candidates);
-        self
-    }
-
     /// Lists in order from pairs of list and entry.
     fn sorted(mut placed: Vec<(u32, u32)>, count: u32) -> Self {
         placed.sort_unstable();
@@ -108,10 +77,6 @@ fn reach(light_box: &LightBox, e: &EllipsoidUniform, size: UVec3, bricks: UVec3)
     (low.min(bricks), high.min(bricks))
 }
 
-fn starts_before(light_box: &LightBox, e: &EllipsoidUniform) -> bool {
-    light_box.row_w.dot(e.center - light_box.corner) - e.support(light_box.row_w) < 0.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,7 +95,7 @@ mod tests {
             })
             .to_vec();
         let along = Vec3::new(0.48, -0.8, 0.36);
-        let (light_box, _) = LightBox::new(&ellipsoids[..2], &ellipsoids[2..], along, 32);
+        let light_box = LightBox::new(&ellipsoids[..2], along, 32);
         let voxels = light_box.voxels(32);
         let bricks = Bricks::new(&light_box, &ellipsoids, voxels);
         let size = UVec3::from(voxels);

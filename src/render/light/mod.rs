@@ -11,6 +11,7 @@ mod occluders;
 mod openness;
 mod plan;
 mod prepare;
+mod shading;
 #[cfg(feature = "slabs")]
 mod slab_tables;
 mod store;
@@ -23,6 +24,7 @@ pub(crate) use bricks::BRICK;
 pub use field::FieldUniform;
 pub(super) use inputs::Inputs;
 pub use model::Transport;
+pub(super) use occluders::{begins_before, occluders};
 #[cfg(test)]
 pub use prepare::LightUniform;
 pub(super) use prepare::{Binding, CloudLight};

@@ -3,29 +3,7 @@
 
 use glam::DVec3;
 
-use crate::frame::{
-    CloudFrame,
-    medium::{BodyUniform, EllipsoidUniform, Medium},
-};
-
-/// A cloud that may stand before another.
-pub(super) struct Occluder<'a> {
-    pub medium: &'a Medium,
-    /// Its origin in the frame of the other, m.
-    pub offset: DVec3,
-}
-
-impl Occluder<'_> {
-    /// The ellipsoids of all of them, one after the other, and the bodies that those name.
-    pub fn ellipsoids(occluders: &[Self]) -> (Vec<EllipsoidUniform>, Vec<BodyUniform>) {
-        let (mut all, mut bodies) = (Vec::new(), Vec::new());
-        for Self { medium, offset } in occluders {
-            all.extend(medium.moved(*offset, bodies.len() as u32));
-            bodies.push(medium.body_at(*offset, 0));
-        }
-        (all, bodies)
-    }
-}
+use crate::frame::CloudFrame;
 
 /// What is added to a cloud's half-extents: its maps are a little wider than it.
 const MARGIN: f64 = 1.25;
@@ -41,9 +19,10 @@ fn overlap(a: [f64; 2], b: [f64; 2]) -> bool {
 }
 
 /// For each cloud those others, in order, whose boxes may overlap it as seen along the light
-/// that goes along `along`, and that do not lie wholly behind it: never one too few. Layers, which have no end, are
-/// neither shaded by others nor do they shade them; volumes are shaded by others and shade none.
-pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
+/// that goes along `along`, and that do not lie wholly behind it: never one too few. Layers, which have no end, stand
+/// before all that is behind them in height; what shades them is in maps
+/// ([`crate::render::shadow`]).
+pub(in crate::render) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
     let (across, aside) = along.any_orthonormal_pair();
     let ranges: Vec<_> =
         clouds.iter().map(|cloud| [across, aside, along].map(|axis| extent(cloud, axis))).collect();
@@ -55,11 +34,17 @@ pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
             let end = [a, b].iter().all(|&i| clouds[i].medium.layer.is_none());
             if end && overlap(ranges[a][1], ranges[b][1]) {
                 for (shaded, shading) in [(a, b), (b, a)] {
-                    let casts = clouds[shading].medium.volume.is_none();
-                    if casts && ranges[shading][2][0] <= ranges[shaded][2][1] {
+                    if ranges[shading][2][0] <= ranges[shaded][2][1] {
                         found[shaded].push(shading as u32);
                     }
                 }
+            }
+        }
+    }
+    for (layer, cloud) in clouds.iter().enumerate().filter(|(_, cloud)| cloud.medium.layer.is_some()) {
+        for (shaded, list) in found.iter_mut().enumerate() {
+            if clouds[shaded].medium.layer.is_none() && begins_before(cloud, &clouds[shaded], along) {
+                list.push(layer as u32);
             }
         }
     }
@@ -67,6 +52,13 @@ pub(super) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
         list.sort_unstable();
     }
     found
+}
+
+/// Whether some of what has this `cloud`'s heights lies before the end of the `other`, upright.
+pub(in crate::render) fn begins_before(cloud: &CloudFrame, other: &CloudFrame, along: DVec3) -> bool {
+    let way = along.y.signum();
+    let [own, others] = [cloud, other].map(|cloud| way * cloud.origin.y);
+    own - cloud.half.y < others + other.half.y
 }
 
 #[cfg(test)]

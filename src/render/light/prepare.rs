@@ -8,10 +8,9 @@ use super::{
     field::{Field, FieldKey, FieldPass, SolvedLight},
     inputs::Inputs,
     model::{Parts, Transport},
-    occluders::Occluder,
     openness::{Openness, OpennessPass},
     plan::Detail,
-    sun::{BoxKey, SunKey, SunPass, SunVolume},
+    sun::{BoxKey, Shade, SunKey, SunPass, SunVolume},
 };
 use crate::{
     frame::{CloudFrame, SkySettings, medium::SpeciesTextures},
@@ -33,22 +32,20 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    /// Light for `cloud` in the shadow of `others`.
-    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, others: &[Occluder<'_>], detail: Detail) -> Self {
+    /// Light for `cloud` in the shadow of others.
+    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, shades: Vec<Shade>, detail: Detail) -> Self {
         let medium = &cloud.medium;
         let sky_resolution = (detail.resolution / 4).clamp(8, 32);
-        let resolution = match medium.layer {
-            Some(_) => FINER_COLUMNS * detail.resolution,
-            None => detail.resolution,
-        };
         let flash = cloud.flash(inputs.by).unwrap_or(Vec4::ZERO);
         let field = |cells| FieldKey { medium: medium.clone(), cells, flash };
         let needs = inputs.needs;
-        let along = -inputs.to_sun.as_vec3();
-        // Nothing shades what shines from within.
-        let others = if flash.w > 0.0 { &[] } else { others };
         Self {
-            sun: needs.sun.then(|| SunKey::new(medium, others, along, resolution, needs.maps)),
+            sun: needs.sun.then(|| SunKey {
+                of: box_of(inputs, cloud, detail),
+                mapped: needs.maps,
+                // Nothing shades what shines from within.
+                shades: if flash.w > 0.0 { Vec::new() } else { shades },
+            }),
             openness: (needs.openness(inputs.lit_by_sky))
                 .then(|| BoxKey::new(medium, Vec3::NEG_Y, sky_resolution)),
             field: needs.field.then(|| field(detail.cells)),
@@ -56,19 +53,29 @@ impl Wanted {
                 .then(|| (field((detail.cells / 2).max(8)), inputs.sky.settings())),
         }
     }
+
+    /// No more than what a cloud out of view casts its shadow with.
+    pub fn shadow(inputs: &Inputs<'_>, of: BoxKey) -> Self {
+        let sun = SunKey { of, mapped: false, shades: Vec::new() };
+        Self { sun: inputs.needs.sun.then_some(sun), openness: None, field: None, sky_field: None }
+    }
+
+    /// Other clouds that stand before it.
+    pub fn shades(&self) -> &[Shade] {
+        self.sun.as_ref().map_or(&[], |sun| &sun.shades)
+    }
+}
+
+/// The box that a cloud's optical depth to the sun is told in.
+pub(super) fn box_of(inputs: &Inputs<'_>, cloud: &CloudFrame, detail: Detail) -> BoxKey {
+    let finer = if cloud.medium.layer.is_some() && detail != Detail::SHADOW { FINER_COLUMNS } else { 1 };
+    BoxKey::new(&cloud.medium, -inputs.to_sun.as_vec3(), finer * detail.resolution)
 }
 
 impl Wanted {
     /// Whether a ball shines in it, and no sun.
     fn is_flash(&self) -> bool {
         self.field.as_ref().is_some_and(|field| field.flash.w > 0.0)
-    }
-
-    /// No more than what a `cloud` out of view casts its shadow with.
-    pub fn shadow(inputs: &Inputs<'_>, cloud: &CloudFrame) -> Self {
-        let along = -inputs.to_sun.as_vec3();
-        let sun = SunKey::new(&cloud.medium, &[], along, Detail::SHADOW.resolution, false);
-        Self { sun: inputs.needs.sun.then_some(sun), openness: None, field: None, sky_field: None }
     }
 }
 
@@ -110,11 +117,17 @@ impl CloudLight {
         Some((self.made_for.sun.as_ref()?.of.light_box, &self.sun.as_ref()?.volume))
     }
 
-    /// Whether it has what `cloud` casts its shadow with, whatever else stood before the sun.
-    pub(super) fn shades(&self, cloud: &CloudFrame, inputs: &Inputs<'_>) -> bool {
-        let along = -inputs.to_sun.as_vec3();
-        let same = |sun: &SunKey| sun.of.medium == cloud.medium && sun.of.light_box.along == along;
-        self.made_for.sun.as_ref().is_some_and(same)
+    /// The box of the optical depth that `cloud` casts its shadow with, whatever else stood before the sun.
+    pub(super) fn shades(&self, cloud: &CloudFrame, inputs: &Inputs<'_>) -> Option<&BoxKey> {
+        let along = LightBox::way(&cloud.medium, -inputs.to_sun.as_vec3());
+        let sun = self.made_for.sun.as_ref()?;
+        (sun.of.medium == cloud.medium && sun.of.light_box.along == along).then_some(&sun.of)
+    }
+
+    /// The volume of optical depth to the sun in this box.
+    pub(super) fn volume_in(&self, of: &BoxKey) -> Option<&TextureView> {
+        self.made_for.sun.as_ref().filter(|sun| sun.of == *of)?;
+        Some(&self.sun.as_ref()?.volume)
     }
 
     /// Whether nothing that it depends on has changed.
@@ -187,14 +200,16 @@ pub(in crate::render) struct Binding<'a> {
 /// The programs that prepare light, compiled when first needed.
 #[derive(Default)]
 pub(super) struct LightPass {
-    sun: SunPass,
+    pub sun: SunPass,
     openness: OpennessPass,
     field: Option<FieldPass>,
 }
 
 impl LightPass {
     /// The light of a cloud that is `wanted`, taken over from `before` where nothing it depends on
-    /// changed. Counts the volumes that were redone in `redone`.
+    /// changed; `alone` is its own optical depth to the sun where that is known, and `others` those of what shades it.
+    /// Counts the volumes that were redone in `redone`.
+    #[allow(clippy::too_many_arguments, reason = "what is wanted, and what is known of it")]
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -202,16 +217,22 @@ impl LightPass {
         media: &Media,
         wanted: Wanted,
         before: Option<CloudLight>,
+        alone: Option<SunVolume>,
+        others: &[TextureView],
         redone: &mut u32,
     ) -> CloudLight {
         let mut known = Known::of(before, &wanted);
         let sun = wanted.sun.as_ref().map(|key| {
             known.sun.take().unwrap_or_else(|| {
                 *redone += 1;
-                match wanted.is_flash() {
-                    true => SunVolume::dark(inputs),
-                    false => self.sun.make(encoder, inputs, media, key),
+                if wanted.is_flash() {
+                    return SunVolume::dark(inputs);
                 }
+                let alone = alone.or(known.alone.take());
+                let alone =
+                    alone.unwrap_or_else(|| self.sun.make(encoder, inputs, media, &key.of, key.mapped));
+                let volume = self.sun.shade(encoder, inputs, key, &alone.volume, others);
+                SunVolume { volume, ..alone }
             })
         });
         let openness = wanted.openness.as_ref().map(|key| {
@@ -258,6 +279,8 @@ impl LightPass {
 #[derive(Default)]
 struct Known {
     sun: Option<SunVolume>,
+    /// Its own optical depth, in whatever shadow.
+    alone: Option<SunVolume>,
     openness: Option<Openness>,
     field_of_sun: Option<SolvedLight>,
     field_of_sky: Option<SolvedLight>,
@@ -266,10 +289,14 @@ struct Known {
 impl Known {
     fn of(before: Option<CloudLight>, wanted: &Wanted) -> Self {
         let Some(CloudLight { sun, openness, field, made_for, .. }) = before else { return Self::default() };
-        let same_sun = made_for.sun == wanted.sun;
+        let same_kind = made_for.is_flash() == wanted.is_flash();
+        let same_sun = same_kind && made_for.sun == wanted.sun;
+        let own = |wanted: &Wanted| wanted.sun.as_ref().map(|sun| (sun.of.clone(), sun.mapped));
+        let alone = sun.clone().filter(|_| same_kind && own(&made_for) == own(wanted));
         let (field_of_sun, field_of_sky) = field.map(|field| (field.sun, field.sky)).unzip();
         Self {
             sun: sun.filter(|_| same_sun),
+            alone,
             openness: openness.filter(|_| made_for.openness == wanted.openness),
             field_of_sun: field_of_sun.filter(|_| same_sun && made_for.field == wanted.field),
             field_of_sky: field_of_sky.flatten().filter(|_| made_for.sky_field == wanted.sky_field),

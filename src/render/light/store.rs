@@ -6,9 +6,9 @@ use std::collections::{HashMap, VecDeque};
 use super::{
     field::eye_of,
     inputs::Inputs,
-    occluders::{Occluder, occluders},
     plan::{Detail, allowance, plan},
-    prepare::{CloudLight, LightPass, Wanted},
+    prepare::{CloudLight, LightPass, Wanted, box_of},
+    shading::{Ahead, Shading},
 };
 use crate::{
     frame::{CloudFrame, Frame},
@@ -50,6 +50,7 @@ pub(in crate::render) struct LightStore {
     lights: Vec<Option<Kept>>,
     /// Of clouds that are not in the picture.
     away: Vec<Kept>,
+    ahead: Ahead,
     pictures: u64,
     /// How many volumes were made so far.
     pub redone: u32,
@@ -63,14 +64,15 @@ impl LightStore {
         self.lights.get_mut(index)?.as_mut().map(|kept| &mut kept.light)
     }
 
-    /// What clouds of the frame cast shadows with: of those whose light is there.
-    pub fn casters(&self, frame: &Frame) -> Vec<Caster> {
-        let lights = frame.clouds.iter().zip(&self.lights);
+    /// What clouds of the frame cast shadows with, by their numbers: of those whose light is there.
+    pub fn casters(&self, frame: &Frame) -> Vec<(usize, Caster)> {
+        let lights = frame.clouds.iter().zip(&self.lights).enumerate();
         lights
-            .filter_map(|(cloud, kept)| {
+            .filter_map(|(number, (cloud, kept))| {
                 let (light_box, volume) = kept.as_ref()?.light.sunlight()?;
                 let turning = 1.0 - cloud.medium.species.asymmetry;
-                Some(Caster { origin: cloud.origin, light_box, volume: volume.clone(), turning })
+                let caster = Caster { origin: cloud.origin, light_box, volume: volume.clone(), turning };
+                Some((number, caster))
             })
             .collect()
     }
@@ -81,7 +83,7 @@ impl LightStore {
     }
 
     /// Makes what the clouds lack of light by their `presence`, for `most` clouds: those first that have none or
-    /// the oldest. `flush` may submit what is recorded so far, after each of them, and end it.
+    /// the oldest. Each is in the shadow of those `before` it. `flush` may submit what is recorded so far, after each of them, and end it.
     #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
     pub fn prepare(
         &mut self,
@@ -91,6 +93,7 @@ impl LightStore {
         frame: &Frame,
         quality: &Quality,
         presence: &[Presence],
+        before: &[Vec<u32>],
         most: u32,
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
@@ -102,7 +105,16 @@ impl LightStore {
         let planned: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
         let seen = in_view.iter().filter(|seen| **seen).count();
         let mut spare = allowance(quality, seen).saturating_sub(planned);
-        let shading = occluders(&frame.clouds, -inputs.to_sun);
+        let casts = |index: usize| {
+            (presence[index] == Presence::Shading && inputs.needs.sun).then(|| {
+                let kept = known[index].as_ref().filter(|kept: &&Kept| kept.light.bytes() <= spare);
+                let cloud = &frame.clouds[index];
+                // What it had when it was in view does, and is there when it comes back.
+                let of = kept.and_then(|kept| kept.light.shades(cloud, inputs).cloned());
+                of.unwrap_or_else(|| box_of(inputs, cloud, Detail::SHADOW))
+            })
+        };
+        let shading = Shading::new(inputs, frame, before, &details, casts);
         let mut order: Vec<_> = (0..frame.clouds.len()).collect();
         // Shadows of clouds out of view come last.
         order.sort_by_key(|&index| (!in_view[index], known[index].as_ref().map(|kept| kept.made)));
@@ -111,33 +123,22 @@ impl LightStore {
         for index in order {
             let cloud = &frame.clouds[index];
             let before = known[index].take();
-            let detail = match details[index] {
-                Some(detail) => detail,
-                None if presence[index] == Presence::Shading => {
-                    // What it had when it was in view does, and is there when it comes back.
-                    let kept = |kept: &Kept| kept.light.shades(cloud, inputs) && kept.light.bytes() <= spare;
-                    if before.as_ref().is_some_and(kept) {
+            let wanted = match (details[index], shading.of(index)) {
+                (Some(detail), _) => Wanted::new(inputs, cloud, shading.shades(index), detail),
+                (None, Some(of)) => {
+                    let has = |kept: &Kept| kept.light.volume_in(of).is_some() && kept.light.bytes() <= spare;
+                    if before.as_ref().is_some_and(has) {
                         let (place, number) = (place(cloud), index);
                         self.lights[index] = before.map(|kept| Kept { place, number, ..kept });
                         spare -= self.lights[index].as_ref().map_or(0, |kept| kept.light.bytes());
                         continue;
                     }
-                    Detail::SHADOW
+                    Wanted::shadow(inputs, of.clone())
                 }
-                None => {
+                (None, None) => {
                     rest.extend(before.map(|kept| Kept { number: index, ..kept }));
                     continue;
                 }
-            };
-            let occluder = |&other: &u32| {
-                let other = &frame.clouds[other as usize];
-                Occluder { medium: &other.medium, offset: other.origin - cloud.origin }
-            };
-            let wanted = if detail == Detail::SHADOW {
-                Wanted::shadow(inputs, cloud)
-            } else {
-                let others: Vec<_> = shading[index].iter().map(occluder).collect();
-                Wanted::new(inputs, cloud, &others, detail)
             };
             let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
             self.lights[index] = if is_current || left == 0 {
@@ -149,8 +150,21 @@ impl LightStore {
                     ..kept
                 })
             } else {
+                let light = |other: usize| {
+                    let kept = self.lights[other].as_ref().or(known[other].as_ref());
+                    kept.map(|kept| &kept.light)
+                };
+                let shades = !wanted.shades().is_empty();
+                let others = if shades {
+                    let (of, made) = ((&shading, index), (&mut self.pass.sun, light));
+                    self.ahead.before(encoder, inputs, media, of, made)
+                } else {
+                    Vec::new()
+                };
+                let alone = self.ahead.take(index, shading.of(index));
                 let before = before.map(|kept| kept.light);
-                let light = self.pass.prepare(encoder, inputs, media, wanted, before, &mut self.redone);
+                let redone = &mut self.redone;
+                let light = self.pass.prepare(encoder, inputs, media, wanted, before, alone, &others, redone);
                 left = if flush(encoder) { left - 1 } else { 0 };
                 Some(Kept { place: place(cloud), number: index, light, made: self.pictures })
             };
@@ -158,6 +172,9 @@ impl LightStore {
                 let eye = eye_of(&frame.camera, frame.camera_position, cloud.origin);
                 self.pass.see(encoder, inputs, &mut kept.light, eye);
             }
+        }
+        if self.waiting == 0 {
+            self.ahead.clear();
         }
         self.keep(frame, rest, allowance(quality, seen));
     }

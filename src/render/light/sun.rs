@@ -6,12 +6,9 @@ use std::collections::HashMap;
 use glam::Vec3;
 use wgpu::TextureView;
 
-use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs, occluders::Occluder};
+use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs};
 use crate::{
-    frame::{
-        Shared,
-        medium::{BodyUniform, EllipsoidUniform, Medium},
-    },
+    frame::{Shared, medium::Medium},
     gpu::{self, ComputeProgram, TextureDesc},
     render::medium::Media,
 };
@@ -37,34 +34,21 @@ pub(super) struct SunKey {
     pub of: BoxKey,
     /// Whether anything reads the maps.
     pub mapped: bool,
-    /// Ellipsoids of other clouds that shade this one, in its frame, and what those are made of.
-    shading: Vec<EllipsoidUniform>,
-    bodies: Vec<BodyUniform>,
+    /// Other clouds before it.
+    pub shades: Vec<Shade>,
 }
 
-impl SunKey {
-    pub fn new(
-        medium: &Shared<Medium>,
-        others: &[Occluder<'_>],
-        along: Vec3,
-        resolution: u32,
-        mapped: bool,
-    ) -> Self {
-        let (all, mut bodies) = Occluder::ellipsoids(others);
-        let (light_box, shading) = match &medium.layer {
-            Some(_) => (LightBox::around(medium, along, resolution), Vec::new()),
-            None => LightBox::new(&medium.ellipsoids, &all, along, resolution),
-        };
-        if shading.is_empty() {
-            bodies.clear();
-        }
-        let voxels = light_box.voxels(resolution);
-        Self { of: BoxKey { medium: medium.clone(), light_box, voxels }, mapped, shading, bodies }
-    }
+/// A cloud that stands before another.
+#[derive(Clone, PartialEq)]
+pub(super) struct Shade {
+    pub of: BoxKey,
+    /// Its origin in the frame of the other, m.
+    pub offset: Vec3,
 }
 
-/// Optical depth to the sun, and its part in the shadow of other clouds, in a box along the light; maps
-/// of depths and normals.
+/// Optical depth to the sun, its part in the shadow of other clouds, and that of the cloud alone, in a box along the
+/// light; maps of depths and normals.
+#[derive(Clone)]
 pub(super) struct SunVolume {
     pub volume: TextureView,
     pub maps: Option<[TextureView; 2]>,
@@ -86,39 +70,40 @@ impl SunVolume {
 /// The programs, compiled when first needed.
 #[derive(Default)]
 pub(super) struct SunPass {
-    /// By medium, with maps or without, shaded by other clouds or not.
-    volumes: HashMap<(&'static str, bool, bool), ComputeProgram>,
+    /// By medium, with maps or without.
+    volumes: HashMap<(&'static str, bool), ComputeProgram>,
     maps: Option<MapsPass>,
+    /// Of the first cloud before another, and of those after it.
+    shades: [Option<ComputeProgram>; 2],
+    linear: Option<wgpu::Sampler>,
 }
 
 impl SunPass {
+    /// The volume and the maps of a cloud alone.
     pub fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         media: &Media,
-        key: &SunKey,
+        key: &BoxKey,
+        mapped: bool,
     ) -> SunVolume {
         let device = inputs.device;
-        let BoxKey { medium, light_box, voxels } = &key.of;
+        let BoxKey { medium, light_box, voxels } = key;
         let resolution = voxels[0];
         let volume = gpu::view(&volume(device, "sun volume", *voxels));
-        let map_resolution = if key.mapped { resolution } else { 1 };
+        let map_resolution = if mapped { resolution } else { 1 };
         let depths = map(device, "sun depths", map_resolution);
-        let shaded = !key.shading.is_empty();
         let role = media.role(medium);
-        let program = self.volumes.entry((role.1, key.mapped, shaded)).or_insert_with(|| {
-            let flag = |on: bool| f64::from(u8::from(on));
-            let overrides = [("MAPPED", flag(key.mapped)), ("SHADED", flag(shaded))];
+        let program = self.volumes.entry((role.1, mapped)).or_insert_with(|| {
+            let overrides = [("MAPPED", f64::from(u8::from(mapped)))];
             ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
         });
-        let bricks = Bricks::with_others(light_box, medium, &key.shading, *voxels);
+        let bricks = Bricks::of(light_box, medium, *voxels);
         let uniform = gpu::uniform_buffer(device, "light box", light_box);
         let buffers = [
             gpu::storage_buffer(device, "bricks", &bricks.lists),
             gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
-            gpu::storage_buffer(device, "ellipsoids of other clouds", &key.shading),
-            gpu::storage_buffer(device, "bodies of other clouds", &key.bodies),
         ];
         let depths_0 = gpu::mip(&depths, 0);
         let mut resources = vec![Some(uniform.as_entire_binding())];
@@ -127,11 +112,49 @@ impl SunPass {
         let group = program.bind(device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
         program.dispatch_over(encoder, &[&group, media.group(medium)], [resolution, resolution, 1], stamps);
-        let maps = key.mapped.then(|| {
+        let maps = mapped.then(|| {
             let pass = self.maps.get_or_insert_with(|| MapsPass::new(device));
             pass.finish(encoder, inputs, &uniform, depths)
         });
         SunVolume { volume, maps }
+    }
+
+    /// The volume of a cloud in the shadow of all that `key` tells of, whose volumes `others` are in that order.
+    pub fn shade(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        key: &SunKey,
+        alone: &TextureView,
+        others: &[TextureView],
+    ) -> TextureView {
+        let device = inputs.device;
+        let linear = self.linear.get_or_insert_with(|| gpu::linear_clamp(device));
+        let BoxKey { light_box, voxels, .. } = &key.of;
+        let own = gpu::uniform_buffer(device, "light box", light_box);
+        let mut before = alone.clone();
+        for (i, (shade, other)) in key.shades.iter().zip(others).enumerate() {
+            let program = self.shades[usize::from(i > 0)].get_or_insert_with(|| {
+                ComputeProgram::new(device, "sun_shade", &[("FIRST", f64::from(u8::from(i == 0)))])
+            });
+            let volume = gpu::view(&volume(device, "sun volume", *voxels));
+            let moved = shade.of.light_box.moved(shade.offset);
+            let other_box = gpu::uniform_buffer(device, "light box of another", &moved);
+            let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+            let resources = [
+                Some(own.as_entire_binding()),
+                Some(other_box.as_entire_binding()),
+                texture(&before),
+                texture(other),
+                Some(wgpu::BindingResource::Sampler(linear)),
+                texture(&volume),
+            ];
+            let group = program.bind(device, &resources);
+            let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
+            program.dispatch_over(encoder, &[&group], [voxels[0], voxels[1], 1], stamps);
+            before = volume;
+        }
+        before
     }
 }
 

@@ -164,7 +164,7 @@ impl March {
         let buffers = [&camera, &pack.buffer(&self.device, "clouds")];
         let draw = |(&i, packed): (&usize, Packed)| {
             let light = lights.get(i).expect("those without light were left out");
-            (i, self.draw_of(shared, &frame.clouds[i], buffers, packed, &covers[i], media, light))
+            (i, self.draw_of(shared, i, buffers, packed, &covers[i], media, light))
         };
         seen.iter().zip(packed).map(draw).collect()
     }
@@ -173,15 +173,16 @@ impl March {
     fn draw_of(
         &mut self,
         shared: &View<'_>,
-        cloud: &CloudFrame,
+        number: usize,
         buffers: [&wgpu::Buffer; 2],
         packed: Packed,
         cover: &Cover,
         media: &Media,
         light: &mut super::light::CloudLight,
     ) -> Draw {
+        let cloud = &shared.frame.clouds[number];
         let role = media.role(&cloud.medium);
-        let variant = variant(shared, cloud, role);
+        let variant = variant(shared, number, role);
         let transport = variant.transport;
         let (device, queue) = (&self.device, &self.queue);
         let key = (role.1, transport);
@@ -196,7 +197,7 @@ impl March {
         let layout = |group: usize| layouts.get(group).and_then(Option::as_ref);
         let its_own = |group| layout(group).expect("the march declares groups 0 and 3");
         let mut groups = vec![
-            (0, self.own_group(shared, its_own(0), buffers, packed)),
+            (0, self.own_group(shared, number, its_own(0), buffers, packed)),
             (1, media.group(&cloud.medium).clone()),
             (3, self.vertex_group(shared, its_own(3))),
         ];
@@ -230,12 +231,14 @@ impl March {
     fn own_group(
         &self,
         shared: &View<'_>,
+        number: usize,
         layout: &wgpu::BindGroupLayout,
         [camera, clouds]: [&wgpu::Buffer; 2],
         packed: Packed,
     ) -> BindGroup {
         let sky = shared.sky;
         let texture = |view| Some(wgpu::BindingResource::TextureView(view));
+        let [shade_map, shade] = shared.shadows.on(number);
         let resources = [
             Some(camera.as_entire_binding()),
             Some(packed.uniform.binding(clouds)),
@@ -247,6 +250,8 @@ impl March {
             texture(sky.aerial()),
             texture(shared.depth.map_or(&self.no_depth, |depth| depth.view)),
             texture(shared.shadows.air()),
+            Some(shade_map),
+            Some(shade),
         ];
         gpu::bind_group(&self.device, "march", layout, &resources)
     }

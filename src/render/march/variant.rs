@@ -2,7 +2,7 @@
 
 use super::{MOST_NODES, View};
 use crate::{
-    frame::{CloudFrame, LitBy},
+    frame::LitBy,
     gpu::{ADDS, Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
@@ -29,6 +29,7 @@ pub struct Variant {
     peak: bool,
     absorbing: bool,
     repeats: bool,
+    shaded: bool,
     light_nodes: u32,
     max_steps: u32,
 }
@@ -40,7 +41,7 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 16] {
+    pub fn overrides(&self) -> [(&'static str, f64); 17] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -57,13 +58,16 @@ impl Variant {
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
             ("REPEATS", flag(self.repeats)),
+            ("SHADED", flag(self.shaded)),
             ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
     }
 }
 
-pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'static>) -> Variant {
+/// That of cloud `number` in a picture.
+pub(super) fn variant(shared: &View<'_>, number: usize, medium: Role<'static>) -> Variant {
+    let cloud = &shared.frame.clouds[number];
     let settings = shared.settings;
     let species = &cloud.medium.species;
     // Which way a cloud faces has nothing to do with light.
@@ -94,6 +98,7 @@ pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'stati
         peak: lit && has_peak && !is_flash,
         absorbing: species.albedo < 1.0,
         repeats: cloud.medium.layer.is_some(),
+        shaded: lit && shared.shadows.are_on(number),
         // Light from within changes fast along a ray.
         light_nodes: if is_flash { MOST_NODES } else { settings.quality.light_nodes.clamp(1, MOST_NODES) },
         max_steps: settings.quality.max_steps,

@@ -116,7 +116,7 @@ impl Voxels {
     pub fn sample(gpu: &Gpu, frame: &Frame, grid: VoxelGrid, progress: &mut dyn FnMut(f64)) -> Result<Self> {
         frame.bounds().ok_or_else(empty)?;
         World::check_volumes(frame, "written as voxels")?;
-        let world = World::new(frame);
+        let world = World::without_layers(frame);
         let reached = reached(&world.ellipsoids, world.origin, &grid)?;
         let sampler = Sampler::new(gpu, &world, grid);
         let list: Vec<_> = reached.into_iter().collect();

@@ -6,7 +6,7 @@ use crate::{
     gpu::Timing,
     render::{
         SceneDepth, Settings,
-        light::{Inputs, LightStore, Presence},
+        light::{Inputs, LightStore, Presence, occluders},
         march::{Counters, Cover, Draw, March},
         medium::Media,
         shadow::{ShadowInputs, Shadows, may_shade},
@@ -25,6 +25,8 @@ pub(super) struct Lamp {
     pub sky: Sky,
     pub shadows: Shadows,
     presence: Vec<Presence>,
+    /// Which clouds stand before each.
+    before: Vec<Vec<u32>>,
     /// Tables and maps that were made so far.
     pub redone: u32,
     /// Pictures since it shone last.
@@ -59,6 +61,7 @@ impl Lamp {
             sky: Sky::new(device),
             shadows: Shadows::new(device),
             presence: Vec::new(),
+            before: Vec::new(),
             redone: 0,
             dark_for: 0,
         }
@@ -73,7 +76,7 @@ impl Lamp {
 
     /// Tells what is wanted of each cloud; says which are.
     pub fn find(&mut self, frame: &Frame, settings: &Settings, covers: &[Cover]) -> Vec<bool> {
-        let shaded = is_shaded(frame, settings.shadows);
+        let shaded = is_shaded(frame, settings.shadows) || may_shade_layers(frame, settings.shadows);
         // Light from within is solved for, or there is none.
         let in_fields = settings.transport.0.needs.field;
         let is_flash = matches!(frame.by, LitBy::Flash(..));
@@ -91,7 +94,27 @@ impl Lamp {
             }
         };
         self.presence = frame.clouds.iter().zip(covers).map(presence).collect();
+        self.before.clear();
+        if settings.transport.0.needs.sun && !is_flash {
+            self.before = occluders(&frame.clouds, -frame.sun.to_sun);
+            self.ask_for_shades();
+        }
         self.presence.iter().map(|here| *here != Presence::Away).collect()
+    }
+
+    /// Clouds that shade those in view are asked for their shadow at the least.
+    fn ask_for_shades(&mut self) {
+        for (shaded, before) in self.before.iter().enumerate() {
+            if self.presence[shaded] != Presence::Seen {
+                continue;
+            }
+            for &other in before {
+                let presence = &mut self.presence[other as usize];
+                if *presence == Presence::Away {
+                    *presence = Presence::Shading;
+                }
+            }
+        }
     }
 
     /// Makes what air and ground have of it.
@@ -121,16 +144,13 @@ impl Lamp {
             sky: own,
             timing: room.timing,
         };
-        let presence = &self.presence;
-        self.clouds.prepare(encoder, &inputs, room.media, frame, quality, presence, *lights_at_once, flush);
+        let (presence, before, most) = (&self.presence, &self.before, *lights_at_once);
+        self.clouds.prepare(encoder, &inputs, room.media, frame, quality, presence, before, most, flush);
         self.prepare_shadows(room, encoder, frame);
     }
 
     fn prepare_shadows(&mut self, room: &Room<'_>, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
-        if !is_shaded(frame, room.settings.shadows) {
-            self.shadows.none();
-            return;
-        }
+        let shadows = room.settings.shadows;
         let inputs = ShadowInputs {
             device: room.device,
             queue: room.queue,
@@ -139,8 +159,20 @@ impl Lamp {
             aerial: room.settings.aerial,
             timing: room.timing,
         };
-        let casters = self.clouds.casters(frame);
-        self.redone += self.shadows.prepare(&inputs, encoder, casters, room.settings.quality.shadow_texels);
+        let (on_ground, on_layers) = (is_shaded(frame, shadows), may_shade_layers(frame, shadows));
+        let casters = if on_ground || on_layers { self.clouds.casters(frame) } else { Vec::new() };
+        let texels = room.settings.quality.shadow_texels;
+        if on_layers {
+            self.redone += self.shadows.prepare_on_layers(&inputs, encoder, &casters, texels / 2);
+        } else {
+            self.shadows.none_on_layers();
+        }
+        if on_ground {
+            let casters = casters.into_iter().map(|(_, caster)| caster).collect();
+            self.redone += self.shadows.prepare(&inputs, encoder, casters, texels);
+        } else {
+            self.shadows.none();
+        }
     }
 
     /// Draws the sky in its light over the whole of a target, or on top of what is there.
@@ -173,7 +205,18 @@ impl Lamp {
     }
 }
 
-/// Whether clouds cast shadows on anything in a picture of `frame`.
+/// Whether clouds may cast shadows on layers.
+fn may_shade_layers(frame: &Frame, shadows: bool) -> bool {
+    let is_layer = |cloud: &CloudFrame| cloud.medium.layer.is_some();
+    let parallel = !matches!(frame.by, LitBy::Flash(..));
+    shadows
+        && parallel
+        && frame.sun.to_sun.y > LOWEST_LIGHT
+        && frame.clouds.len() > 1
+        && frame.clouds.iter().any(is_layer)
+}
+
+/// Whether clouds cast shadows on ground and air in a picture of `frame`.
 fn is_shaded(frame: &Frame, shadows: bool) -> bool {
     shadows && frame.by == LitBy::Sky && frame.sky.atmosphere && frame.sun.to_sun.y > LOWEST_LIGHT
 }

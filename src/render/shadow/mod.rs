@@ -1,22 +1,27 @@
-//! Shadows of clouds on the ground and in the air: one map of the sun's light for the whole scene
+//! Shadows of clouds on the ground, in the air and on layers: one map of the sun's light for the whole scene
 //! (`shaders/lib/sun_map.wgsl`), put together from the volumes of optical depth that clouds have anyway, and what the
-//! air before the camera lacks of light for it. Both are made again only when something in them changed.
+//! air before the camera lacks of light for it; and, for each layer, one of all others before it. All are made again only when
+//! something in them changed.
 
 mod casters;
 mod layout;
+mod map;
 mod splat;
+
+use std::collections::HashMap;
 
 use wgpu::TextureView;
 
 pub(super) use casters::{Caster, may_shade};
+use layout::SQUARES;
 #[cfg(test)]
 pub(crate) use layout::SunMapUniform;
-use layout::{Layout, SQUARES};
+use map::Map;
 #[cfg(test)]
 pub(crate) use splat::CasterUniform;
-use splat::{Splat, lit_texture};
+use splat::Splat;
 
-use super::sky::Sky;
+use super::{light::begins_before, sky::Sky};
 use crate::{
     frame::{Frame, Rays, SkySettings},
     gpu::{self, ComputeProgram, TextureDesc, Timing},
@@ -41,20 +46,14 @@ pub(super) struct Shadows {
     /// Whether the air's is made.
     pub in_air: bool,
     reach: f64,
-    uniform: wgpu::Buffer,
-    lit: TextureView,
+    all: Map,
+    /// Of what stands before layers, by the layer's number.
+    on_layers: HashMap<usize, Map>,
+    none: Map,
     air: TextureView,
     splat: Option<Splat>,
     shade_air: Option<ComputeProgram>,
-    map: Option<Made>,
     air_made: Option<AirMade>,
-    maps: u32,
-}
-
-/// What the map holds.
-struct Made {
-    layout: Layout,
-    casters: Vec<Caster>,
 }
 
 /// What the air's volume depends on; `map` is the number of the map.
@@ -72,25 +71,34 @@ impl Shadows {
             cast: false,
             in_air: false,
             reach: 1.0,
-            uniform: gpu::uniform_buffer(device, "sun map", &layout::NONE),
-            lit: splat::view_of(&lit_texture(device, 1)),
+            all: Map::new(device),
+            on_layers: HashMap::new(),
+            none: Map::new(device),
             air: gpu::view(&air_texture(device, [1; 3])),
             splat: None,
             shade_air: None,
-            map: None,
             air_made: None,
-            maps: 0,
         }
     }
 
     /// The same for the caller, where clouds cast shadows.
     pub fn sun_map(&self) -> Option<SunMap<'_>> {
-        self.cast.then_some(SunMap { uniform: &self.uniform, lit: &self.lit })
+        self.cast.then_some(SunMap { uniform: &self.all.uniform, lit: &self.all.lit })
     }
 
     /// The map's numbers, and the share of light that it holds, in the order in which shaders bind them.
     pub fn map(&self) -> [wgpu::BindingResource<'_>; 2] {
-        [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&self.lit)]
+        self.all.bindings()
+    }
+
+    /// Whether other clouds shade a cloud by a map.
+    pub fn are_on(&self, number: usize) -> bool {
+        self.on_layers.contains_key(&number)
+    }
+
+    /// The same as [`Shadows::map`], of what stands before a cloud; of nothing where nothing does.
+    pub fn on(&self, number: usize) -> [wgpu::BindingResource<'_>; 2] {
+        self.on_layers.get(&number).unwrap_or(&self.none).bindings()
     }
 
     /// What the air before the camera lacks.
@@ -103,9 +111,42 @@ impl Shadows {
         self.reach as f32
     }
 
-    /// There are none in this picture.
+    /// There are none on ground and air in this picture.
     pub fn none(&mut self) {
         (self.cast, self.in_air) = (false, false);
+    }
+
+    /// There are none on layers in this picture.
+    pub fn none_on_layers(&mut self) {
+        self.on_layers.clear();
+    }
+
+    /// Brings the maps of what stands before layers up to date; tells how many were made. `casters` have the numbers of
+    /// their clouds.
+    pub fn prepare_on_layers(
+        &mut self,
+        inputs: &ShadowInputs<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        casters: &[(usize, Caster)],
+        texels: u32,
+    ) -> u32 {
+        let clouds = &inputs.frame.clouds;
+        let along = -inputs.frame.sun.to_sun;
+        let is_layer = |number: &usize| clouds.get(*number).is_some_and(|cloud| cloud.medium.layer.is_some());
+        self.on_layers.retain(|number, _| is_layer(number));
+        let mut made = 0;
+        for layer in (0..clouds.len()).filter(is_layer) {
+            let before =
+                |other: usize| other != layer && begins_before(&clouds[other], &clouds[layer], along);
+            let own = casters.iter().filter(|(other, _)| before(*other));
+            let own = own.map(|(_, caster)| caster.clone()).collect();
+            let map = self.on_layers.entry(layer).or_insert_with(|| Map::new(inputs.device));
+            match map.prepare(&mut self.splat, inputs, encoder, own, texels, 0.0) {
+                Some(is_made) => made += u32::from(is_made),
+                None => drop(self.on_layers.remove(&layer)),
+            }
+        }
+        made
     }
 
     /// Brings the map of `texels` along an edge up to date for what `casters` there are, and, where wanted, the
@@ -117,23 +158,13 @@ impl Shadows {
         casters: Vec<Caster>,
         texels: u32,
     ) -> u32 {
-        let ShadowInputs { device, frame, .. } = *inputs;
-        let Some(layout) = Layout::new(&casters, frame.sun.to_sun, frame.camera_position, texels) else {
+        let reach = casters::reach(inputs.frame, &casters);
+        let Some(is_made) = self.all.prepare(&mut self.splat, inputs, encoder, casters, texels, reach) else {
             self.none();
             return 0;
         };
-        self.cast = true;
-        self.reach = casters::reach(frame, &casters);
-        let uniform = layout.uniform(frame.camera_position, frame.sun.radius, self.reach);
-        inputs.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let is_made = self.map.as_ref().is_some_and(|made| made.layout == layout && made.casters == casters);
-        if !is_made {
-            let splat = self.splat.get_or_insert_with(|| Splat::new(device));
-            self.lit = splat.draw(inputs, encoder, &layout, &uniform, &casters);
-            self.map = Some(Made { layout, casters });
-            self.maps += 1;
-        }
-        u32::from(!is_made) + self.prepare_air(inputs, encoder)
+        (self.cast, self.reach) = (true, reach);
+        u32::from(is_made) + self.prepare_air(inputs, encoder)
     }
 
     fn prepare_air(&mut self, inputs: &ShadowInputs<'_>, encoder: &mut wgpu::CommandEncoder) -> u32 {
@@ -143,7 +174,7 @@ impl Shadows {
             rays: frame.camera.rays(),
             position: frame.camera_position.to_array().map(f64::to_bits),
             sky: frame.sky,
-            map: self.maps,
+            map: self.all.number,
         };
         if !inputs.aerial || self.air_made.as_ref() == Some(&wanted) {
             return 0;
@@ -158,9 +189,9 @@ impl Shadows {
         let resources = [
             Some(sky.atmosphere().as_entire_binding()),
             Some(sky.camera().as_entire_binding()),
-            Some(self.uniform.as_entire_binding()),
+            Some(self.all.uniform.as_entire_binding()),
             texture(sky.transmittance()),
-            texture(&self.lit),
+            texture(&self.all.lit),
             Some(wgpu::BindingResource::Sampler(sky.sampler())),
             texture(&self.air),
         ];

@@ -28,24 +28,25 @@ pub(super) struct Splat {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     linear: wgpu::Sampler,
-    lit: Option<wgpu::Texture>,
 }
 
 impl Splat {
     pub fn new(device: &wgpu::Device) -> Self {
         let shader = Shader::new(device, "sun_map", &[]);
         let layout = shader.groups[0].clone().expect("the shader declares group 0");
-        Self { pipeline: pipeline(device, &shader), layout, linear: gpu::linear_clamp(device), lit: None }
+        Self { pipeline: pipeline(device, &shader), layout, linear: gpu::linear_clamp(device) }
     }
 
-    /// Draws all `casters` into a map of this `layout`, whose places `uniform` tells from the camera.
+    /// Draws all `casters` into a map of this `layout`, whose places `uniform` tells from the camera: into the texture
+    /// that is there where it has the right size.
     pub fn draw(
-        &mut self,
+        &self,
         inputs: &ShadowInputs<'_>,
         encoder: &mut wgpu::CommandEncoder,
         layout: &Layout,
         uniform: &SunMapUniform,
         casters: &[Caster],
+        lit: &mut Option<wgpu::Texture>,
     ) -> TextureView {
         let device = inputs.device;
         let eye = inputs.frame.camera_position;
@@ -79,8 +80,8 @@ impl Splat {
                 gpu::bind_group(device, "sun map", &self.layout, &resources)
             })
             .collect();
-        let known = self.lit.take().filter(|lit| lit.width() == layout.texels);
-        let lit = self.lit.insert(known.unwrap_or_else(|| lit_texture(device, layout.texels)));
+        let known = lit.take().filter(|lit| lit.width() == layout.texels);
+        let lit = lit.insert(known.unwrap_or_else(|| lit_texture(device, layout.texels)));
         for square in 0..layout.squares.len() as u32 {
             let mut pass = begin(encoder, lit, square, inputs);
             pass.set_pipeline(&self.pipeline);

@@ -1,0 +1,16 @@
+// The shadow of other clouds on one whose own light repeats itself, such as a layer: it is in a map of the sun's light, and
+// not in the light that was prepared.
+// @use counts flags light sun_map
+
+@group(0) @binding(10) var<uniform> shade_map: SunMap;
+@group(0) @binding(11) var shade_lit: texture_2d_array<f32>;
+
+// Optical depth to the sun that transport sees, and the part of it in the shadow of other clouds.
+fn sun_depth(p: vec3f) -> vec2f {
+    let own = light_sun_depth(p);
+    if !SHADED {
+        return own;
+    }
+    count(MAP_READS, SUN_MAP_LAYERS);
+    return own + sun_map_depth(sun_map_light(shade_map, shade_lit, clamped, p - cloud.camera));
+}

@@ -1,0 +1,147 @@
+//! Clouds of ellipsoids, layers and volumes in one scene: path traced together, and in each other's shadow.
+#![cfg(all(feature = "export", feature = "import"))]
+
+use crate::common;
+
+use common::truth::{assert_agree, mean, opacity, trace};
+use common::{
+    gpu,
+    picture::{renderer, scene},
+};
+use nephos::{
+    export::Picture,
+    reference::{PathOptions, PathTracer},
+    render::{Film, Frame, Quality, Transport},
+    scene::Scene,
+};
+
+const SIZE: [u32; 2] = [16, 9];
+
+/// Clouds before a uniform sky, seen along parallel lines.
+fn seen(clouds: &str, position: [f64; 3], target: [f64; 3], height: f64, elevation: f64) -> Scene {
+    scene(&format!(
+        r#"{{"clouds": [{clouds}], "sky": {{"uniform": {{"radiance": [0.05, 0.06, 0.08]}}}},
+            "camera": {{"position": {position:?}, "target": {target:?}, "projection": {{"orthographic": {{"height": {height}}}}}}},
+            "sun": {{"irradiance": [1, 1, 1], "position": {{"angles": {{"azimuth_deg": 120, "elevation_deg": {elevation}}}}}}}}}"#
+    ))
+}
+
+/// A layer of `thickness` m from `base` on, all covered, whose droplets scatter all ways alike.
+fn sheet(base: f64, thickness: f64, per_cm3: f64) -> String {
+    format!(
+        r#"{{"layer": {{"base": {base}, "thickness": {thickness}, "coverage": 1, "heaps": 0, "bulge": 0}},
+            "edge": {{"boundary": 0, "wispiness": 0}},
+            "droplets": {{"phase": "isotropic", "concentration_per_cm3": {per_cm3}}}}}"#
+    )
+}
+
+/// A ball whose droplets scatter all ways alike.
+fn ball(center: [f64; 3], radius: f64, per_cm3: f64) -> String {
+    format!(
+        r#"{{"edge": {{"boundary": 0}}, "droplets": {{"phase": "isotropic", "concentration_per_cm3": {per_cm3}}},
+            "ellipsoids": [{{"center": {center:?}, "radii": [{radius}, {radius}, {radius}]}}]}}"#
+    )
+}
+
+const DECK: &str = r#"{"layer": {"base": 1000, "thickness": 300, "scale": 700, "coverage": 0.7},
+    "edge": {"boundary": 60, "wispiness": 0.2}, "droplets": {"phase": "isotropic", "concentration_per_cm3": 20}}"#;
+
+/// A ball far from all that is seen: it changes no picture, but what it is traced with.
+fn far() -> String {
+    ball([60e3, 1150.0, 60e3], 40.0, 20.0)
+}
+
+#[test]
+fn a_layer_is_the_same_among_other_clouds() {
+    let both: Vec<_> = [DECK.to_owned(), format!("{DECK}, {}", far())]
+        .iter()
+        .map(|clouds| {
+            let scene = seen(clouds, [300.0, 3000.0, 500.0], [300.0, 1000.0, -300.0], 1500.0, 50.0);
+            let estimate = trace(&scene, SIZE, 240);
+            (mean(&estimate, 1), opacity(&estimate))
+        })
+        .collect();
+    let [(light, covered), (light_among, covered_among)] = [both[0], both[1]];
+    assert_agree(&[("light".to_owned(), light, light_among)]);
+    assert!((covered - covered_among).abs() < 0.02, "{covered} and {covered_among}");
+}
+
+#[test]
+fn what_is_behind_several_layers_is_dimmed_by_each() {
+    // Level sheets of optical depths 0.4 and 0.9, and an even ball of 2 in the middle, seen straight down.
+    let per_cm3 = |depth: f64, length: f64| {
+        let cloud = scene(&format!(r#"{{"clouds": [{}]}}"#, ball([0.0; 3], 1.0, 1.0)));
+        depth / length / cloud.clouds[0].droplets.extinction()
+    };
+    let layers = [sheet(1000.0, 100.0, per_cm3(0.4, 100.0)), sheet(3000.0, 200.0, per_cm3(0.9, 200.0))];
+    let middle = ball([0.0, 2000.0, 0.0], 300.0, per_cm3(2.0, 600.0));
+    let clouds = format!("{}, {}, {middle}", layers[0], layers[1]);
+    let above = seen(&clouds, [0.0, 6000.0, 0.0], [0.0, 0.0, 0.1], 10.0, 50.0);
+    let found = opacity(&trace(&above, [16, 9], 600));
+    let wanted = 1.0 - (-3.3f64).exp();
+    assert!((found - wanted).abs() < 0.01, "{found} for {wanted}");
+}
+
+/// Mean light of green where truth is opaque by at least a half, drawn and true, and the relative RMSE there.
+fn against_truth(scene: &Scene, samples: u32) -> (f64, f64, f64) {
+    let truth = trace(scene, SIZE, samples);
+    let film = Film::new(SIZE, 3);
+    let mut renderer = renderer(Quality::PREVIEW, Transport::MOMENTS);
+    let frame = film.frame(scene).unwrap();
+    let drawn: Picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
+    let (mut sums, mut square, mut noise, mut light) = ([0.0; 2], 0.0, 0.0, 0.0);
+    for ((pixel, mean), error) in drawn.pixels.iter().zip(&truth.mean).zip(&truth.error) {
+        if mean[3] < 0.5 {
+            continue;
+        }
+        let (found, wanted) = (f64::from(pixel[1]), f64::from(mean[1]));
+        sums = [sums[0] + found, sums[1] + wanted];
+        square += (found - wanted).powi(2);
+        noise += f64::from(error[1]).powi(2);
+        light += wanted * wanted;
+    }
+    (sums[0] / sums[1], ((square - noise).max(0.0) / light).sqrt(), sums[1])
+}
+
+#[test]
+fn a_cloud_below_a_sheet_has_the_light_that_comes_through() {
+    let cloud = ball([0.0, 1000.0, 0.0], 150.0, 40.0);
+    let veil = sheet(3000.0, 200.0, 5.0);
+    let at = |clouds: &str| seen(clouds, [0.0, 1000.0, 900.0], [0.0, 1000.0, 0.0], 320.0, 50.0);
+    let (bright, _, open) = against_truth(&at(&cloud), 192);
+    let (mean, error, light) = against_truth(&at(&format!("{cloud}, {veil}")), 192);
+    eprintln!(
+        "alone {bright:.3}; below a sheet {mean:.3} rmse {error:.3}, light {:.3} of that alone",
+        light / open
+    );
+    assert!(light < 0.8 * open, "the sheet takes light");
+    assert!((0.6..1.1).contains(&mean), "{mean}");
+}
+
+#[test]
+fn a_ball_casts_its_shadow_on_the_deck_below() {
+    let deck = sheet(1000.0, 300.0, 20.0);
+    let cloud = ball([0.0, 1900.0, 0.0], 250.0, 40.0);
+    // The shadow lies to the north-west of the ball's foot.
+    let shadow = 1900.0 - 1300.0;
+    let (x, z) = (-shadow * 120f64.to_radians().sin(), shadow * 120f64.to_radians().cos());
+    let position = [x, 1700.0, z + 900.0];
+    let at = |clouds: &str| seen(clouds, position, [x, 1300.0, z], 500.0, 45.0);
+    let mut sums = Vec::new();
+    for clouds in [deck.clone(), format!("{deck}, {cloud}")] {
+        let (mean, error, light) = against_truth(&at(&clouds), 128);
+        eprintln!("mean {mean:.3}, rmse {error:.3}, light {light:.3}");
+        assert!((mean - 1.0).abs() < 0.12, "{mean}");
+        sums.push(light);
+    }
+    assert!(sums[1] < 0.75 * sums[0], "{sums:?}");
+}
+
+#[test]
+fn more_layers_than_there_is_room_for_are_refused() {
+    let layers: Vec<_> = (0..5).map(|i| sheet(1000.0 + 500.0 * f64::from(i), 100.0, 5.0)).collect();
+    let scene = seen(&layers.join(", "), [0.0, 9000.0, 0.0], [0.0, 0.0, 0.1], 100.0, 50.0);
+    let frame = Frame::new(&scene, [8, 8]).unwrap();
+    let refusal = PathTracer::with_options(gpu(), &frame, &PathOptions::default()).err().unwrap().to_string();
+    assert!(refusal.contains("at most 4 layers") && refusal.contains('5'), "{refusal}");
+}
