@@ -7,6 +7,7 @@ mod field;
 mod inputs;
 mod model;
 mod models;
+mod moment;
 mod occluders;
 mod openness;
 mod plan;

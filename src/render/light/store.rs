@@ -6,7 +6,8 @@ use std::collections::{HashMap, VecDeque};
 use super::{
     field::eye_of,
     inputs::Inputs,
-    occluders::{Occluder, occluders},
+    moment::Moment,
+    occluders::Occluder,
     plan::{Detail, allowance, plan},
     prepare::{CloudLight, LightPass, Wanted},
 };
@@ -31,6 +32,8 @@ struct Kept {
     light: CloudLight,
     /// Number of the picture that it was made for.
     made: u64,
+    /// The moment, by number, and the detail that it was last found good for.
+    good: Option<(u64, Detail)>,
 }
 
 /// What a picture wants of a cloud.
@@ -51,10 +54,25 @@ pub(in crate::render) struct LightStore {
     /// Of clouds that are not in the picture.
     away: Vec<Kept>,
     pictures: u64,
+    moment: Option<Moment>,
+    /// How many moments there were.
+    moments: u64,
+    /// What was last asked for, and given.
+    asked: Option<Asked>,
+    casters: Vec<Caster>,
     /// How many volumes were made so far.
     pub redone: u32,
     /// Clouds of the last picture whose light is of another moment, or is yet to be made.
     pub waiting: u32,
+}
+
+/// What a picture asks of the light of a moment.
+#[derive(PartialEq)]
+struct Asked {
+    moment: u64,
+    presence: Vec<Presence>,
+    details: Vec<Option<Detail>>,
+    allowance: u64,
 }
 
 impl LightStore {
@@ -64,7 +82,11 @@ impl LightStore {
     }
 
     /// What clouds of the frame cast shadows with: of those whose light is there.
-    pub fn casters(&self, frame: &Frame) -> Vec<Caster> {
+    pub fn casters(&self) -> &[Caster] {
+        &self.casters
+    }
+
+    fn found_casters(&self, frame: &Frame) -> Vec<Caster> {
         let lights = frame.clouds.iter().zip(&self.lights);
         lights
             .filter_map(|(cloud, kept)| {
@@ -95,71 +117,138 @@ impl LightStore {
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
         self.pictures += 1;
-        self.waiting = 0;
-        let (mut known, mut rest) = self.found(frame);
+        let same = self.moment.as_ref().is_some_and(|moment| moment.is(inputs, frame));
+        if !same {
+            self.moment = Some(Moment::new(inputs, frame));
+            self.moments += 1;
+        }
         let in_view: Vec<_> = presence.iter().map(|here| *here == Presence::Seen).collect();
         let details = plan(quality, &frame.clouds, &in_view, &frame.camera, frame.camera_position);
-        let planned: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
         let seen = in_view.iter().filter(|seen| **seen).count();
-        let mut spare = allowance(quality, seen).saturating_sub(planned);
-        let shading = occluders(&frame.clouds, -inputs.to_sun);
+        let allowance = allowance(quality, seen);
+        let asked = Asked { moment: self.moments, presence: presence.to_vec(), details, allowance };
+        if self.waiting > 0 || self.asked.as_ref() != Some(&asked) {
+            self.waiting = 0;
+            self.make(encoder, inputs, media, frame, &asked, same, most, flush);
+            self.casters = self.found_casters(frame);
+            self.asked = Some(asked);
+        }
+        self.see(encoder, inputs, frame, &in_view);
+    }
+
+    /// Goes through all clouds: takes over what is good, and makes the rest.
+    #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
+    fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &Media,
+        frame: &Frame,
+        asked: &Asked,
+        same: bool,
+        most: u32,
+        flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
+    ) {
+        let (mut known, mut rest) = if same { self.found_again(frame) } else { self.found(frame) };
+        let planned: u64 = asked.details.iter().flatten().map(|detail| detail.bytes()).sum();
+        let mut spare = asked.allowance.saturating_sub(planned);
         let mut order: Vec<_> = (0..frame.clouds.len()).collect();
         // Shadows of clouds out of view come last.
-        order.sort_by_key(|&index| (!in_view[index], known[index].as_ref().map(|kept| kept.made)));
+        order.sort_by_key(|&index| {
+            (asked.presence[index] != Presence::Seen, known[index].as_ref().map(|kept| kept.made))
+        });
         self.lights.resize_with(frame.clouds.len(), || None);
         let mut left = most;
         for index in order {
             let cloud = &frame.clouds[index];
-            let before = known[index].take();
-            let detail = match details[index] {
+            let before = known[index].take().map(|kept| Kept { number: index, ..kept });
+            let detail = match asked.details[index] {
                 Some(detail) => detail,
-                None if presence[index] == Presence::Shading => {
+                None if asked.presence[index] == Presence::Shading => {
                     // What it had when it was in view does, and is there when it comes back.
                     let kept = |kept: &Kept| kept.light.shades(cloud, inputs) && kept.light.bytes() <= spare;
                     if before.as_ref().is_some_and(kept) {
-                        let (place, number) = (place(cloud), index);
-                        self.lights[index] = before.map(|kept| Kept { place, number, ..kept });
+                        let place = place(cloud);
+                        self.lights[index] = before.map(|kept| Kept { place, ..kept });
                         spare -= self.lights[index].as_ref().map_or(0, |kept| kept.light.bytes());
                         continue;
                     }
                     Detail::SHADOW
                 }
                 None => {
-                    rest.extend(before.map(|kept| Kept { number: index, ..kept }));
+                    rest.extend(before);
                     continue;
                 }
             };
-            let occluder = |&other: &u32| {
-                let other = &frame.clouds[other as usize];
-                Occluder { medium: &other.medium, offset: other.origin - cloud.origin }
-            };
-            let wanted = if detail == Detail::SHADOW {
-                Wanted::shadow(inputs, cloud)
-            } else {
-                let others: Vec<_> = shading[index].iter().map(occluder).collect();
-                Wanted::new(inputs, cloud, &others, detail)
-            };
+            if before.as_ref().is_some_and(|kept| kept.good == Some((asked.moment, detail))) {
+                self.lights[index] = before;
+                continue;
+            }
+            let wanted = self.wanted(inputs, frame, index, detail);
             let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
+            let good = Some((asked.moment, detail));
             self.lights[index] = if is_current || left == 0 {
                 self.waiting += u32::from(!is_current);
                 let place = place(cloud);
+                let good = good.filter(|_| is_current);
                 before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept {
                     place,
-                    number: index,
+                    good,
                     ..kept
                 })
             } else {
                 let before = before.map(|kept| kept.light);
                 let light = self.pass.prepare(encoder, inputs, media, wanted, before, &mut self.redone);
                 left = if flush(encoder) { left - 1 } else { 0 };
-                Some(Kept { place: place(cloud), number: index, light, made: self.pictures })
+                Some(Kept { place: place(cloud), number: index, light, made: self.pictures, good })
             };
-            if let Some(kept) = &mut self.lights[index] {
-                let eye = eye_of(&frame.camera, frame.camera_position, cloud.origin);
-                self.pass.see(encoder, inputs, &mut kept.light, eye);
+        }
+        self.keep(frame, rest, asked.allowance);
+    }
+
+    /// What a cloud's light is to be, of this detail.
+    fn wanted(&self, inputs: &Inputs<'_>, frame: &Frame, index: usize, detail: Detail) -> Wanted {
+        let cloud = &frame.clouds[index];
+        if detail == Detail::SHADOW {
+            return Wanted::shadow(inputs, cloud);
+        }
+        let occluder = |&other: &u32| {
+            let other = &frame.clouds[other as usize];
+            Occluder { medium: &other.medium, offset: other.origin - cloud.origin }
+        };
+        let shading = self.moment.as_ref().map_or(&[][..], |moment| &moment.shading[index]);
+        let others: Vec<_> = shading.iter().map(occluder).collect();
+        Wanted::new(inputs, cloud, &others, detail)
+    }
+
+    /// Finds what of solved light goes to the eye, in clouds in view from which that has moved.
+    fn see(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        frame: &Frame,
+        in_view: &[bool],
+    ) {
+        let clouds = frame.clouds.iter().zip(&mut self.lights).zip(in_view).filter(|(_, seen)| **seen);
+        let lights = clouds.filter_map(|((cloud, kept), _)| {
+            Some((&mut kept.as_mut()?.light, eye_of(&frame.camera, frame.camera_position, cloud.origin)))
+        });
+        self.pass.see(encoder, inputs, lights);
+    }
+
+    /// The light kept for each cloud of a frame whose clouds are those of the last one.
+    fn found_again(&mut self, frame: &Frame) -> (Vec<Option<Kept>>, Vec<Kept>) {
+        let mut found = std::mem::take(&mut self.lights);
+        found.resize_with(frame.clouds.len(), || None);
+        let mut rest = Vec::new();
+        for kept in std::mem::take(&mut self.away) {
+            let same = frame.clouds.get(kept.number).is_some_and(|cloud| place(cloud) == kept.place);
+            match found.get_mut(kept.number) {
+                Some(empty @ None) if same => *empty = Some(kept),
+                _ => rest.push(kept),
             }
         }
-        self.keep(frame, rest, allowance(quality, seen));
+        (found, rest)
     }
 
     /// The light kept for each cloud of `frame`, and the light that is left. Clouds are known by
@@ -189,6 +278,9 @@ impl LightStore {
 
     /// Keeps light of clouds of the frame that are out of view, as long as all of it fits.
     fn keep(&mut self, frame: &Frame, mut rest: Vec<Kept>, most: u64) {
+        if rest.is_empty() {
+            return;
+        }
         let numbers: HashMap<_, _> = frame.clouds.iter().map(place).zip(0..).collect();
         rest.retain(|kept| numbers.contains_key(&kept.place));
         rest.sort_by_key(|kept| numbers[&kept.place]);

@@ -10,7 +10,7 @@ use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs, occluders::Occluder
 use crate::{
     frame::{
         Shared,
-        medium::{BodyUniform, EllipsoidUniform, Medium},
+        medium::{BodyUniform, EllipsoidUniform, Medium, MediumKind},
     },
     gpu::{self, ComputeProgram, TextureDesc},
     render::medium::Media,
@@ -87,7 +87,7 @@ impl SunVolume {
 #[derive(Default)]
 pub(super) struct SunPass {
     /// By medium, with maps or without, shaded by other clouds or not.
-    volumes: HashMap<(&'static str, bool, bool), ComputeProgram>,
+    volumes: HashMap<(MediumKind, bool, bool), ComputeProgram>,
     maps: Option<MapsPass>,
 }
 
@@ -106,11 +106,11 @@ impl SunPass {
         let map_resolution = if key.mapped { resolution } else { 1 };
         let depths = map(device, "sun depths", map_resolution);
         let shaded = !key.shading.is_empty();
-        let role = media.role(medium);
-        let program = self.volumes.entry((role.1, key.mapped, shaded)).or_insert_with(|| {
+        let kind = media.kind(medium);
+        let program = self.volumes.entry((kind, key.mapped, shaded)).or_insert_with(|| {
             let flag = |on: bool| f64::from(u8::from(on));
             let overrides = [("MAPPED", flag(key.mapped)), ("SHADED", flag(shaded))];
-            ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
+            ComputeProgram::with_roles(device, "sun_maps", &[kind.role()], &overrides)
         });
         let bricks = Bricks::with_others(light_box, medium, &key.shading, *voxels);
         let uniform = gpu::uniform_buffer(device, "light box", light_box);

@@ -2,7 +2,7 @@
 
 use super::{MOST_NODES, View};
 use crate::{
-    frame::{CloudFrame, LitBy},
+    frame::{CloudFrame, LitBy, medium::MediumKind},
     gpu::{ADDS, Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
@@ -14,7 +14,7 @@ pub struct Variant {
     pub transport: Transport,
     /// The entry function.
     pub entry: &'static str,
-    medium: Role<'static>,
+    pub(super) medium: MediumKind,
     counting: bool,
     atmosphere: bool,
     aerial: bool,
@@ -36,7 +36,7 @@ pub struct Variant {
 impl Variant {
     /// What fills the shader's roles.
     pub fn roles(&self) -> Vec<Role<'static>> {
-        [&[self.medium], self.transport.roles()].concat()
+        [&[self.medium.role()], self.transport.roles()].concat()
     }
 
     /// Flags and numbers.
@@ -63,7 +63,7 @@ impl Variant {
     }
 }
 
-pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: Role<'static>) -> Variant {
+pub(super) fn variant(shared: &View<'_>, cloud: &CloudFrame, medium: MediumKind) -> Variant {
     let settings = shared.settings;
     let species = &cloud.medium.species;
     // Which way a cloud faces has nothing to do with light.

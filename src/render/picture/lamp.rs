@@ -139,7 +139,7 @@ impl Lamp {
             aerial: room.settings.aerial,
             timing: room.timing,
         };
-        let casters = self.clouds.casters(frame);
+        let casters = self.clouds.casters();
         self.redone += self.shadows.prepare(&inputs, encoder, casters, room.settings.quality.shadow_texels);
     }
 

@@ -89,8 +89,8 @@ impl Shadows {
     }
 
     /// The map's numbers, and the share of light that it holds, in the order in which shaders bind them.
-    pub fn map(&self) -> [wgpu::BindingResource<'_>; 2] {
-        [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&self.lit)]
+    pub fn map(&self) -> (&wgpu::Buffer, &TextureView) {
+        (&self.uniform, &self.lit)
     }
 
     /// What the air before the camera lacks.
@@ -114,23 +114,23 @@ impl Shadows {
         &mut self,
         inputs: &ShadowInputs<'_>,
         encoder: &mut wgpu::CommandEncoder,
-        casters: Vec<Caster>,
+        casters: &[Caster],
         texels: u32,
     ) -> u32 {
         let ShadowInputs { device, frame, .. } = *inputs;
-        let Some(layout) = Layout::new(&casters, frame.sun.to_sun, frame.camera_position, texels) else {
+        let Some(layout) = Layout::new(casters, frame.sun.to_sun, frame.camera_position, texels) else {
             self.none();
             return 0;
         };
         self.cast = true;
-        self.reach = casters::reach(frame, &casters);
+        self.reach = casters::reach(frame, casters);
         let uniform = layout.uniform(frame.camera_position, frame.sun.radius, self.reach);
         inputs.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let is_made = self.map.as_ref().is_some_and(|made| made.layout == layout && made.casters == casters);
         if !is_made {
             let splat = self.splat.get_or_insert_with(|| Splat::new(device));
-            self.lit = splat.draw(inputs, encoder, &layout, &uniform, &casters);
-            self.map = Some(Made { layout, casters });
+            self.lit = splat.draw(inputs, encoder, &layout, &uniform, casters);
+            self.map = Some(Made { layout, casters: casters.to_vec() });
             self.maps += 1;
         }
         u32::from(!is_made) + self.prepare_air(inputs, encoder)
