@@ -102,6 +102,8 @@ pub struct Speed {
     pub motion: Motion,
     /// Until the first picture is there, with its light and what the driver compiles, s; the same for all motions.
     pub first_s: f64,
+    /// Time of each pass of that picture by the adapter's clock, milliseconds; empty where it has none.
+    pub first_passes: Vec<PassTime>,
     /// Time of the CPU to say what is to be drawn, milliseconds.
     pub recorded_ms: f64,
     /// Time of the CPU to hand that over to the driver, milliseconds.
@@ -195,13 +197,9 @@ impl SpeedReport {
             1e-6 * s.pixels_per_s,
         );
         let last = self.efficiency(s).map_or(String::new(), |found| format!("{found:>14.2}"));
-        let passes: Vec<_> = s.passes.iter().map(|pass| format!("{} {:.2}", pass.pass, pass.ms)).collect();
-        let passes = if passes.is_empty() {
-            String::new()
-        } else {
-            format!("    ms by pass: {}\n", passes.join(", "))
-        };
-        format!("{line}{last}\n{passes}")
+        let stands = s.motion == Motion::Standing;
+        let first = if stands { by_pass("first picture, ", &s.first_passes) } else { String::new() };
+        format!("{line}{last}\n{first}{}", by_pass("", &s.passes))
     }
 
     fn legend(&self) -> String {
@@ -218,6 +216,12 @@ impl SpeedReport {
             self.adapter.name, self.adapter.backend, self.adapter.driver, self.frames
         )
     }
+}
+
+/// A line of times; none without any.
+fn by_pass(of: &str, passes: &[PassTime]) -> String {
+    let passes: Vec<_> = passes.iter().map(|pass| format!("{} {:.2}", pass.pass, pass.ms)).collect();
+    if passes.is_empty() { String::new() } else { format!("    {of}ms by pass: {}\n", passes.join(", ")) }
 }
 
 /// Draws frames one after another.
@@ -250,9 +254,12 @@ impl Track<'_> {
         let picture = renderer.picture("frames", self.size, FORMAT);
         let view = picture.create_view(&Default::default());
         let target = Target { color: &view, depth: None, sky: true };
+        renderer.timing = Some(Timing::new(gpu));
         let started = Instant::now();
         renderer.render_in_pieces(gpu, &frame, &target, &mut |_| ())?;
         let first_s = started.elapsed().as_secs_f64();
+        let timing = renderer.timing.take();
+        let first_passes = timing.map_or_else(|| Ok(Vec::new()), |timing| timing.collect(gpu))?;
         let (counts, covered) = self.work(&mut renderer, &frame)?;
         let mut speeds = Vec::new();
         for motion in Motion::ALL {
@@ -266,6 +273,7 @@ impl Track<'_> {
                 size: self.size,
                 motion,
                 first_s,
+                first_passes: first_passes.clone(),
                 recorded_ms: middle(recorded),
                 submitted_ms: middle(submitted),
                 frame_ms,

@@ -24,6 +24,10 @@ fn place(cloud: &CloudFrame) -> Place {
     cloud.origin.to_array().map(f64::to_bits)
 }
 
+/// Light that is submitted at once where it is made in pieces, bytes: of one large cloud in draft quality, or of a dozen
+/// that are small in the picture.
+const ENOUGH: u64 = 1 << 20;
+
 /// Light of a cloud.
 struct Kept {
     place: Place,
@@ -158,7 +162,7 @@ impl LightStore {
             (asked.presence[index] != Presence::Seen, known[index].as_ref().map(|kept| kept.made))
         });
         self.lights.resize_with(frame.clouds.len(), || None);
-        let mut left = most;
+        let (mut left, mut recorded) = (most, 0);
         for index in order {
             let cloud = &frame.clouds[index];
             let before = known[index].take().map(|kept| Kept { number: index, ..kept });
@@ -199,7 +203,12 @@ impl LightStore {
             } else {
                 let before = before.map(|kept| kept.light);
                 let light = self.pass.prepare(encoder, inputs, media, wanted, before, &mut self.redone);
-                left = if flush(encoder) { left - 1 } else { 0 };
+                left -= 1;
+                recorded += light.bytes();
+                if recorded >= ENOUGH {
+                    recorded = 0;
+                    left = if flush(encoder) { left } else { 0 };
+                }
                 Some(Kept { place: place(cloud), number: index, light, made: self.pictures, good })
             };
         }

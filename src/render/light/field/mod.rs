@@ -28,7 +28,7 @@ use wgpu::TextureView;
 use super::{bricks::Bricks, inputs::Inputs, sun::BoxKey};
 use crate::{
     frame::{
-        Shared,
+        Shared, SkySettings,
         medium::{Medium, MediumKind},
     },
     gpu::{self, ComputeProgram},
@@ -74,6 +74,8 @@ pub(super) struct FieldPass {
     view: [ComputeProgram; 2],
     /// The same of layers.
     tile: [ComputeProgram; 2],
+    /// What of sky and ground comes in along each direction: the same for all clouds under this sky.
+    sky: Option<(SkySettings, wgpu::Buffer)>,
     /// Radiance and source: one solution after another uses them, however many clouds there are.
     scratch: Option<[wgpu::Buffer; 2]>,
 }
@@ -108,8 +110,15 @@ impl FieldPass {
             keep: program("moments_keep", &[]),
             view: [false, true].map(|sun| program("moments_view", &[("SUN", flag(sun))])),
             tile: [false, true].map(|sun| program("moments_tile", &[("SUN", flag(sun))])),
+            sky: None,
             scratch: None,
         }
+    }
+
+    /// The light of sky and ground that comes in, where it was found already.
+    fn entered(&self, inputs: &Inputs<'_>) -> Option<wgpu::Buffer> {
+        let (_, found) = self.sky.as_ref().filter(|(of, _)| inputs.sky.settings() == Some(*of))?;
+        Some(found.clone())
     }
 
     /// Two buffers of at least `size` bytes, the same as before where those are large enough.
@@ -164,8 +173,16 @@ impl FieldPass {
             .entry(kind)
             .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[kind.role()], &[]));
         let none = vec![0.0f32; 3 * DIRECTIONS];
-        // Of a ball within all of its light counts, and none comes from outside.
-        let entering = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
+        let entered = if lights == Lights::Sky { self.entered(inputs) } else { None };
+        let enters = lights == Lights::Sky && entered.is_none();
+        let entering = entered.unwrap_or_else(|| {
+            // Of a ball within all of its light counts, and none comes from outside.
+            let share = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
+            gpu::storage_buffer(device, "entering light", &share)
+        });
+        if enters {
+            self.sky = inputs.sky.settings().map(|settings| (settings, entering.clone()));
+        }
         let solver = Solver {
             pass: self,
             inputs,
@@ -182,7 +199,8 @@ impl FieldPass {
             sun_volume,
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &directions()),
-            entering: gpu::storage_buffer(device, "entering light", &entering),
+            enters,
+            entering,
             none: gpu::storage_buffer(device, "no entering light", &none),
         };
         let stamps = inputs.timing.and_then(|timing| timing.compute("moments"));
