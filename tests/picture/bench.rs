@@ -154,8 +154,8 @@ fn the_program_tells_how_fast_frames_are() {
         assert!(speed["usage"]["rays"].as_f64().unwrap() > 0.0);
         let made =
             ["buffers", "groups", "textures", "pipelines"].map(|what| speed["made"][what].as_u64().unwrap());
-        // A camera that flies has the air's shadow bound anew.
-        assert!(made.iter().sum::<u64>() <= u64::from(motion == "flying"), "{speed}");
+        // A camera that flies has the air's shadow bound anew, and clouds that come into view.
+        assert!(motion == "flying" || made == [0; 4], "{speed}");
     }
     assert_eq!(speeds[2]["clouds"], 3);
     let page = std::fs::read_to_string(&page).unwrap();
