@@ -17,11 +17,11 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BLOCK_EDGE, BLOCK_VOXELS, BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform,
-        FieldUniform, LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile,
-        Transport, VoxelsUniform, resolve_uniform,
+        BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
+        LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
+        resolve_uniform,
     },
-    scene::{Tone, ToneCurve},
+    scene::{BLOCK_EDGE, BLOCK_VOXELS, Tone, ToneCurve},
 };
 
 /// Name, offset and size of each member, and the size of the whole.

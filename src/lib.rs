@@ -56,6 +56,8 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(any(feature = "cli", feature = "editor"))]
+mod desk;
 #[cfg(feature = "editor")]
 pub mod editor;
 mod error;
@@ -64,6 +66,7 @@ pub mod export;
 mod files;
 pub mod frame;
 pub mod gpu;
+#[cfg(feature = "import")]
 pub mod import;
 #[cfg(feature = "measure")]
 pub mod measure;

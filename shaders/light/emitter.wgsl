@@ -1,19 +1,7 @@
 // Max's emitter (1994, after Sabella 1988): a cloud glows by itself and dims what is behind. An
 // opaque one has the radiance that is the mean over all directions of the light of sun, sky and
 // ground that falls on it. No shadows, no phase function.
-// @use flags lighting
-
-struct LightSum {
-    nothing: f32,
-}
-
-fn light_begin(ray: LightRay) -> LightSum {
-    return LightSum(0.0);
-}
-
-fn light_glare(ray: LightRay) -> f32 {
-    return 0.0;
-}
+// @use unshadowed
 
 fn light_transported(species: Species) -> f32 {
     return 1.0;
@@ -21,22 +9,6 @@ fn light_transported(species: Species) -> f32 {
 
 fn light_ahead(species: Species) -> f32 {
     return 0.0;
-}
-
-fn light_reads_nodes() -> bool {
-    return false;
-}
-
-fn light_sun_depth(p: vec3f) -> vec2f {
-    return vec2f(0.0);
-}
-
-fn light_piece(sum: LightSum, piece: LitPiece) -> LightSum {
-    return sum;
-}
-
-fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
-    return sum;
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {

@@ -9,9 +9,7 @@ use std::{
 };
 
 use super::STOP;
-
-/// Set by who listens.
-const DESK: &str = "NEPHOS_DESK";
+use crate::desk::{self, DESK, PROGRESS};
 
 /// Whether work waits.
 static PAUSED: Mutex<bool> = Mutex::new(false);
@@ -30,9 +28,9 @@ pub(super) fn listen() {
     thread::spawn(|| {
         for line in io::stdin().lock().lines().map_while(Result::ok) {
             match line.trim() {
-                "pause" => set_paused(true),
-                "go" => set_paused(false),
-                "stop" => break,
+                desk::PAUSE => set_paused(true),
+                desk::GO => set_paused(false),
+                desk::STOP => break,
                 _ => {}
             }
         }
@@ -49,7 +47,7 @@ fn set_paused(paused: bool) {
 /// Tells the thousandths that are done.
 pub(super) fn tell(thousandths: u64) {
     // Nobody may listen any more.
-    let _ = writeln!(io::stderr(), "progress {thousandths}");
+    let _ = writeln!(io::stderr(), "{PROGRESS}{thousandths}");
 }
 
 /// Waits as long as it shall.

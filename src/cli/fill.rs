@@ -76,13 +76,7 @@ impl Fill {
                 percent(inside.openness)
             ))?;
         }
-        match scene.bounds() {
-            Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
-                "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
-                scene.ground.altitude - low.y
-            )),
-            _ => Ok(()),
-        }
+        terminal::below_ground(&scene)
     }
 
     fn scene(&self, ellipsoids: &[Ellipsoid]) -> Scene {

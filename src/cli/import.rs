@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     Error, Result,
-    import::{Choice, Found, Grid, Raw, found_in},
-    scene::{Brick, Cloud, Endian, Scene, Up, Volume},
+    import::{Choice, Found, Raw, choose, found_in},
+    scene::{Brick, Cloud, Endian, Grid, Scene, Up, Volume},
 };
 
 /// Tell what is in a volume's file, and make a scene of it.
@@ -82,7 +82,8 @@ impl Import {
         let found = found_in(&self.file, &Choice { grid: None, raw, step: self.step })?;
         terminal::print(&self.told(&found))?;
         let Some(output) = &self.output else { return Ok(()) };
-        let chosen = self.chosen(found)?;
+        let chosen = choose(found, self.grid.as_deref())
+            .map_err(|problem| Error::Format { path: self.file.clone(), problem })?;
         let scene = self.scene(output, chosen, brick)?;
         scene.save(output)?;
         let volume = scene.clouds[0].volume.as_ref();
@@ -91,13 +92,7 @@ impl Import {
             "{}: extinction {extinction} a metre where the grid is 1\n",
             output.display()
         ))?;
-        match scene.bounds() {
-            Some((low, _)) if low.y < scene.ground.altitude => terminal::print(&format!(
-                "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
-                scene.ground.altitude - low.y
-            )),
-            _ => Ok(()),
-        }
+        terminal::below_ground(&scene)
     }
 
     fn brick(&self) -> Result<Option<Brick>> {
@@ -124,31 +119,6 @@ impl Import {
             };
         }
         text
-    }
-
-    fn chosen(&self, found: Vec<Found>) -> Result<Grid> {
-        let refused = |problem: String| Error::Format { path: self.file.clone(), problem };
-        let names = found.iter().map(|found| format!("`{}`", found.name)).collect::<Vec<_>>().join(", ");
-        let usual =
-            |found: &Found| self.grid.as_ref().map_or(found.name == "density", |name| found.name == *name);
-        let place = found.iter().position(usual);
-        let good = || found.iter().filter(|found| found.grid.is_ok());
-        if place.is_none() && self.grid.is_none() && good().count() > 1 {
-            return Err(refused(format!(
-                "has several grids, and none is `density`: choose by --grid from {names}"
-            )));
-        }
-        let only = found.iter().position(|found| found.grid.is_ok()).filter(|_| self.grid.is_none());
-        let place = place.or(only).ok_or_else(|| {
-            refused(match &self.grid {
-                Some(name) => format!("has no grid `{name}`: it has {names}"),
-                None => format!("has no grid that can be drawn: it has {names}"),
-            })
-        })?;
-        found
-            .into_iter()
-            .nth(place)
-            .map_or_else(|| Err(refused("has no grid".to_owned())), |f| f.grid.map_err(refused))
     }
 
     fn scene(&self, output: &Path, grid: Grid, raw: Option<Brick>) -> Result<Scene> {

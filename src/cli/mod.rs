@@ -2,6 +2,7 @@
 
 mod bench;
 mod camera;
+mod color;
 mod desk;
 #[cfg(feature = "editor")]
 mod edit;
@@ -11,7 +12,6 @@ mod import;
 mod info;
 #[cfg(feature = "editor")]
 mod jobs;
-mod light;
 mod new;
 mod numbers;
 mod picture;

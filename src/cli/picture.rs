@@ -5,7 +5,7 @@ use std::{path::Path, sync::LazyLock};
 use clap::{Args, ValueEnum, builder::PossibleValue};
 
 use super::{
-    light::LightOptions,
+    color::ColorOptions,
     numbers::{above_zero, share},
     open, stopped,
     tone::ToneOptions,
@@ -50,7 +50,7 @@ pub struct PictureOptions {
     #[command(flatten)]
     pub(super) tone: ToneOptions,
     #[command(flatten)]
-    light: LightOptions,
+    color: ColorOptions,
     /// Write the layers that the beauty is made of beside it (EXR only).
     #[arg(long)]
     pub(super) layers: bool,
@@ -158,7 +158,7 @@ impl PictureOptions {
         }
         match format {
             Format::Exr => self.tone.refuse_for("EXR")?,
-            Format::Png => self.light.refuse_for("PNG")?,
+            Format::Png => self.color.refuse_for("PNG")?,
         }
         self.check_transport()?;
         self.check_rays()
@@ -211,7 +211,7 @@ impl PictureOptions {
 
     /// What files of such pictures tell, as far as it is the same for all.
     pub fn notes(&self) -> Notes {
-        self.light.notes()
+        self.color.notes()
     }
 
     /// What the file of a job tells: also by which camera, and how exposed, the scene is seen.

@@ -12,13 +12,24 @@ use std::{
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle, TermLike};
 
 use super::desk;
-use crate::{Error, Result};
+use crate::{Error, Result, scene::Scene};
 
 /// Log lines go to the standard error: warnings by default, more with `RUST_LOG`.
 pub(super) fn log() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("nephos=warn"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).without_time().init();
+}
+
+/// Tells how far a scene's clouds reach below its ground, where they do.
+pub(super) fn below_ground(scene: &Scene) -> Result<()> {
+    match scene.bounds() {
+        Some((low, _)) if low.y < scene.ground.altitude => print(&format!(
+            "It reaches {:.1} m below the ground, where nothing is seen of it: --at X,Y,Z lifts it.\n",
+            scene.ground.altitude - low.y
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// A bar on terminals, for work that takes over a second; elsewhere a line now and then.

@@ -107,8 +107,9 @@ impl Studio {
         let layers = self.renderer.render_layers(&self.gpu, &film.frame(scene)?, &mut |_| ())?;
         let read = |texture| film.read(&self.gpu, texture);
         let mut color = read(&layers.sun.single)?;
-        let further = layers.lights.iter().flat_map(|(_, light)| light.of_clouds());
-        for layer in layers.sun.of_clouds().into_iter().skip(1).chain(further) {
+        let further =
+            layers.lights.iter().flat_map(|(_, light)| [&light.single, &light.multiple, &light.air]);
+        for layer in [&layers.sun.multiple, &layers.sun.air].into_iter().chain(further) {
             color.add_light(&read(layer)?);
         }
         let color = color.times(layers.unit);

@@ -15,7 +15,8 @@ use glam::IVec3;
 use crate::{
     Result,
     files::write_whole,
-    render::{BLOCK_VOXELS, Block, Voxels},
+    render::Voxels,
+    scene::{BLOCK_VOXELS, Block},
     vdb::{ACTIVE_MASK, LOWER, Level, MAGIC, ONLY_ACTIVE, UPPER, UPPER_EDGE, ZIP},
 };
 

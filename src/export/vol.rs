@@ -11,7 +11,8 @@ use glam::{DVec3, IVec3};
 use crate::{
     Error, Result,
     files::write_whole,
-    render::{BLOCK_EDGE, Block, Voxels},
+    render::Voxels,
+    scene::{BLOCK_EDGE, Block},
 };
 
 /// Most voxels of the box: 4 GiB.

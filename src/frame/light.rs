@@ -7,7 +7,7 @@ use super::{CloudFrame, Frame, SkySettings, Sun};
 use crate::scene::{self, LightSource, Scene};
 
 /// Sine of an elevation, 18 degrees below the horizon, from which no light reaches what air there is.
-pub(super) const DARK: f64 = -0.309;
+const DARK: f64 = -0.309;
 
 /// What a frame is lit by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,8 @@ impl FrameLight {
             };
             Self { name: light.label(number), number, by, sun }
         });
-        lights.filter(|light| light.by != LitBy::Sky || !light.sun.is_dark(scene)).collect()
+        let has_air = matches!(scene.sky, scene::Sky::Atmosphere(_));
+        lights.filter(|light| light.by != LitBy::Sky || !light.sun.has_set(has_air)).collect()
     }
 }
 
@@ -63,9 +64,9 @@ impl Sun {
         }
     }
 
-    /// Whether it stands so low that nothing is lit by it.
-    pub fn is_dark(&self, scene: &Scene) -> bool {
-        matches!(scene.sky, scene::Sky::Atmosphere(_)) && self.to_sun.y < DARK
+    /// Whether it stands so low that nothing is lit by it, where there is an atmosphere.
+    pub fn has_set(&self, has_air: bool) -> bool {
+        has_air && self.to_sun.y < DARK
     }
 }
 
@@ -91,9 +92,7 @@ impl Frame {
             ..self.clone()
         }
     }
-}
 
-impl Frame {
     /// The frame in the light of each of those, with the light's number in the scene.
     pub(crate) fn lit_apart(&self) -> Vec<(usize, Self)> {
         self.lights.iter().map(|light| (light.number, self.lit_by(light))).collect()

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{CameraUniform, Frame, FrameLight, LitBy, Sun, light::DARK};
+use super::{CameraUniform, Frame, FrameLight, LitBy, Sun};
 
 /// Lights of which the strongest is within these are taken as they are.
 const AS_THEY_ARE: [f32; 2] = [1.0 / 64.0, 4.0];
@@ -40,14 +40,13 @@ impl Frame {
 
     /// Whether the sun is to be seen or there is nothing else: the disc of one that has set long ago may be cut.
     fn sun_counts(&self) -> bool {
-        !self.sky.atmosphere || self.sun.to_sun.y >= DARK || self.lights.is_empty()
+        !self.sun.has_set(self.sky.atmosphere) || self.lights.is_empty()
     }
 
     /// Whether neither its sun nor its sky shine on anything.
     pub(crate) fn is_dark(&self) -> bool {
-        let sky = &self.sky.uniform;
-        let has_set = self.sky.atmosphere && self.sun.to_sun.y < DARK;
-        (has_set || self.sun.irradiance == Vec3::ZERO) && (self.sky.atmosphere || sky.radiance == Vec3::ZERO)
+        let sun = self.sun.has_set(self.sky.atmosphere) || self.sun.irradiance == Vec3::ZERO;
+        sun && (self.sky.atmosphere || self.sky.uniform.radiance == Vec3::ZERO)
     }
 
     /// The frame with its lights in the unit that suits them.

@@ -19,7 +19,7 @@ pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.
 pub const PARTS: &[&[(&str, &str)]] = &[
     sources!("march/": "counts", "gather", "steps"),
-    sources!("light/": "flags", "openness", "slab_maps", "slab_nodes", "slab_surface", "sunlight"),
+    sources!("light/": "flags", "openness", "slab_maps", "slab_nodes", "slab_surface", "sunlight", "unshadowed"),
     sources!("path/": "path_flash", "path_medium", "path_state", "path_walk"),
 ];
 

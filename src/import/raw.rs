@@ -2,10 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
-use super::{
-    bytes::Problem,
-    grid::{Grid, MOST_ALONG},
-};
+use super::bytes::Problem;
+use crate::scene::{Grid, MOST_ALONG};
 
 /// How the numbers of a brick lie, which its file does not tell.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,10 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 use half::f16;
 
-use super::{
-    bytes::{Bytes, Problem},
-    grid::{Grid, MOST_ALONG},
-};
+use super::bytes::{Bytes, Problem};
+use crate::scene::{Grid, MOST_ALONG};
 
 /// What files begin with.
 const HEAD: &[u8] = b"VOL";

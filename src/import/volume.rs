@@ -4,12 +4,11 @@ use std::{fs, path::Path};
 
 use super::{
     bytes::Problem,
-    grid::Grid,
     netcdf,
     raw::{self, Raw},
     vdb, vol,
 };
-use crate::{Error, Result};
+use crate::{Error, Result, scene::Grid};
 
 /// A grid in a file.
 #[derive(Debug, Clone)]
@@ -25,7 +24,7 @@ pub struct Found {
 /// What is wanted of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Choice<'a> {
-    /// Name of the grid; where left out, the only one that can be drawn, or `density`.
+    /// Name of the grid, as [`choose`] takes it.
     pub grid: Option<&'a str>,
     /// How floats lie in a file that holds nothing else.
     pub raw: Option<Raw>,
@@ -59,29 +58,31 @@ pub fn read_volume(path: &Path, choice: &Choice<'_>) -> Result<Grid> {
 /// # Errors
 /// The rest of a sentence about the file.
 pub fn parse_volume(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Grid, String> {
-    let found = all(bytes, choice)?;
+    choose(all(bytes, choice)?, choice.grid)
+}
+
+/// The grid of this name; where there is none, the only one that can be drawn, or `density`.
+///
+/// # Errors
+/// The rest of a sentence about the file.
+pub fn choose(found: Vec<Found>, name: Option<&str>) -> std::result::Result<Grid, String> {
     let names = || found.iter().map(|found| format!("`{}`", found.name)).collect::<Vec<_>>().join(", ");
-    if found.is_empty() {
-        return Err("has no grid: export it with one".to_owned());
-    }
     let named = |name: &str| found.iter().position(|found| found.name == name);
     let mut good = found.iter().enumerate().filter(|(_, found)| found.grid.is_ok()).map(|(i, _)| i);
-    let chosen = match choice.grid {
-        Some(name) => named(name).ok_or_else(|| format!("has no grid `{name}`: it has {}", names()))?,
-        None if found.len() == 1 => 0,
-        None => match (named(USUAL), good.next(), good.next()) {
+    let chosen = match name {
+        Some(name) if !found.is_empty() => {
+            named(name).ok_or_else(|| format!("has no grid `{name}`: it has {}", names()))?
+        }
+        _ => match (named(USUAL), good.next(), good.next()) {
             (Some(usual), ..) => usual,
-            (None, Some(only), None) => only,
-            (None, None, _) => 0,
             (None, Some(_), Some(_)) => {
-                return Err(format!(
-                    "has several grids, and none is `{USUAL}`: choose by `grid` from {}",
-                    names()
-                ));
+                return Err(format!("has several grids, and none is `{USUAL}`: name one of {}", names()));
             }
+            (None, only, _) => only.unwrap_or(0),
         },
     };
-    found.into_iter().nth(chosen).map_or_else(|| Err("has no grid".to_owned()), |found| found.grid)
+    let grid = found.into_iter().nth(chosen).map(|found| found.grid);
+    grid.unwrap_or_else(|| Err("has no grid: export it with one".to_owned()))
 }
 
 fn all(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Vec<Found>, Problem> {

@@ -22,7 +22,7 @@ pub(crate) use march::{
 };
 pub use march::{
     Counts, Variant,
-    voxels::{BLOCK_EDGE, BLOCK_VOXELS, Block, VoxelGrid, Voxels},
+    voxels::{VoxelGrid, Voxels},
 };
 #[cfg(test)]
 pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};

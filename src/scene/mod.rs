@@ -2,6 +2,7 @@
 //!
 //! Metres, y up, right-handed: +x is east, -z is north. Colours are linear RGB.
 
+mod block;
 mod camera;
 mod cloud;
 mod dice;
@@ -11,6 +12,7 @@ mod ellipsoid;
 mod evaporation;
 mod explain;
 mod file;
+mod grid;
 mod growth;
 mod layer;
 mod life;
@@ -31,6 +33,8 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use block::voxel;
+pub use block::{BLOCK_EDGE, BLOCK_VOXELS, Block};
 pub use camera::{Camera, Projection};
 pub use cloud::Cloud;
 pub use droplets::{Droplets, Phase};
@@ -38,6 +42,7 @@ pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use evaporation::Evaporation;
 pub use file::schema;
+pub use grid::{Grid, MOST_ALONG};
 pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
 pub use life::Life;

@@ -9,15 +9,16 @@ use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::grid::{Grid, MOST_ALONG};
 use super::validate::{At, COORDINATE, Limits};
 use super::{Bounds, Droplets, union};
-use crate::{Error, Result, import::Grid};
+use crate::{Error, Result};
 
 const EXTINCTION: Limits = Limits::new(0.0, 1e6, "per metre");
 const SCALE: Limits = Limits::new(1e-6, 1e6, "metres");
 const VOXEL: Limits = Limits::new(1e-9, 1e9, "");
 /// Voxels of a brick of floats along an axis.
-const ALONG: Limits = Limits::new(1.0, crate::import::MOST_ALONG as f64, "voxels");
+const ALONG: Limits = Limits::new(1.0, MOST_ALONG as f64, "voxels");
 
 /// The shape of a cloud that another program made: density on a grid, in a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -178,15 +179,6 @@ impl Volume {
         let grid = self.grid_in(&folder.join(&self.file))?;
         self.opened = Opened { grid: Some(Arc::new(grid)), folder: folder.to_owned() };
         Ok(())
-    }
-
-    /// Reads its file anew, which may have another name than before.
-    ///
-    /// # Errors
-    /// As [`Volume::read`].
-    pub fn read_again(&mut self) -> Result<()> {
-        let folder = self.opened.folder.clone();
-        self.read(&folder)
     }
 
     #[cfg(feature = "import")]

@@ -13,10 +13,9 @@ use common::{
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nephos::{
     export::{Picture, write_vdb, write_vol},
-    import::Grid,
     reference::{PathOptions, PathTracer},
     render::{Film, Frame, Quality, Transport, VoxelGrid, Voxels},
-    scene::{Camera, Cloud, Droplets, Phase, Projection, Scene, Up, Volume},
+    scene::{Camera, Cloud, Droplets, Grid, Phase, Projection, Scene, Up, Volume},
 };
 
 use crate::volumes_drawn::CLOUD;

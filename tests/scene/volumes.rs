@@ -3,8 +3,11 @@
 use std::{collections::HashMap, fs, path::PathBuf};
 
 use glam::{DVec3, IVec3};
-use nephos::import::{Choice, Grid, Raw, found_in, parse_volume, read_volume};
-use nephos::{render::Frame, scene::Scene};
+use nephos::import::{Choice, Raw, found_in, parse_volume, read_volume};
+use nephos::{
+    render::Frame,
+    scene::{Grid, Scene},
+};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{RngCore, SeedableRng},

@@ -124,6 +124,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("slab_nodes", "light_begin light_reads_nodes light_piece light_node light_ray"),
             ("slab_surface", "light_begin light_reads_nodes light_piece light_node light_ray"),
             ("sunlight", "sun_single light_transported"),
+            ("unshadowed", "light_begin light_glare light_reads_nodes light_sun_depth light_piece light_node"),
             (
                 "light",
                 "light_begin light_glare light_transported light_ahead light_reads_nodes light_sun_depth light_piece

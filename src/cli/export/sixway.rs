@@ -40,7 +40,7 @@ pub struct Sixway {
 impl Sixway {
     pub(super) fn run(self) -> Result<()> {
         self.sprite.tone.refuse_for("a light map")?;
-        self.sprite.light.refuse_for("a light map")?;
+        self.sprite.color.refuse_for("a light map")?;
         self.course.check(self.frames)?;
         let columns = self.course.columns(self.frames);
         let files = ["positive", "negative"].map(|map| self.sprite.named(map));

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::{
     super::{
         camera::CameraOption,
-        light::LightOptions,
+        color::ColorOptions,
         picture::{QualityName, word},
         terminal,
         tone::{ToneOptions, told},
@@ -39,7 +39,7 @@ pub struct Sky {
     #[command(flatten)]
     tone: ToneOptions,
     #[command(flatten)]
-    light: LightOptions,
+    color: ColorOptions,
     /// Map to write: .exr and .hdr hold linear light, .png is tone-mapped, .ktx2 is a cube map in BC6H
     /// with mip levels that GPUs take as it is.
     #[arg(short, long, value_name = "FILE")]
@@ -71,7 +71,7 @@ impl Sky {
         let kind = ending(&self.output, &["exr", "hdr", "png", "ktx2"])?;
         let layout = self.layout(kind)?;
         if kind != "exr" {
-            self.light.refuse_for(&format!("a .{kind} file"))?;
+            self.color.refuse_for(&format!("a .{kind} file"))?;
         }
         if kind != "png" {
             self.tone.refuse_for(&format!("a .{kind} file"))?;
@@ -81,7 +81,7 @@ impl Sky {
         let mut studio = Studio::new(&self.source.gpu()?, 2, true);
         studio.renderer().settings.quality = self.quality.unwrap_or(QualityName::Final).quality();
         let tone = self.exposed(kind, &mut studio, &scene)?;
-        let notes = self.light.notes();
+        let notes = self.color.notes();
         if layout == Layout::Equirectangular {
             let map = equirectangular(&mut studio, &scene, self.size.unwrap_or(1024))?;
             return write(&self.output, kind, &mut studio, (tone, &notes), &map);

@@ -7,7 +7,7 @@ use clap::Args;
 use super::{
     super::{
         camera::CameraOption,
-        light::LightOptions,
+        color::ColorOptions,
         numbers::{above_zero, at_least_zero},
         picture::QualityName,
         tone::{ToneOptions, told},
@@ -32,7 +32,7 @@ pub(super) struct Sprite {
     #[command(flatten)]
     pub tone: ToneOptions,
     #[command(flatten)]
-    pub light: LightOptions,
+    pub color: ColorOptions,
     /// File to write, .png or .exr; further maps of it have its name and an underscore.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -82,7 +82,7 @@ impl Sprite {
         let kind = ending(&self.output, &["png", "exr"])?;
         match kind {
             "exr" => self.tone.refuse_for("EXR")?,
-            _ => self.light.refuse_for("PNG")?,
+            _ => self.color.refuse_for("PNG")?,
         }
         let edge = self.tile * columns.max(rows);
         if edge > Film::WIDEST {
@@ -98,7 +98,7 @@ impl Sprite {
         let subject = Subject::new(&scene, self.cloud.as_deref())?;
         let mut studio = Studio::new(&self.source.gpu()?, 2, false);
         studio.renderer().settings.quality = self.quality.unwrap_or(QualityName::Final).quality();
-        Ok(Stage { kind, subject, studio, scene, tone: self.tone.clone(), notes: self.light.notes() })
+        Ok(Stage { kind, subject, studio, scene, tone: self.tone.clone(), notes: self.color.notes() })
     }
 
     /// The output's name with `map` behind it.

@@ -9,7 +9,6 @@ mod queue;
 use std::path::PathBuf;
 
 pub use form::{JobForm, JobWish};
-pub use process::DESK;
 pub use queue::{Ended, Jobs, Order};
 
 /// The program that does jobs, and the jobs that it does. The command line describes itself by this.

@@ -10,8 +10,8 @@ use std::{
 
 use eframe::egui::Context;
 
-/// Told to the program by this variable of its environment: somebody listens.
-pub const DESK: &str = "NEPHOS_DESK";
+use crate::desk::{self, DESK, PROGRESS};
+
 /// How long a program that was asked to stop may take before it is stopped.
 const GRACE: Duration = Duration::from_secs(10);
 
@@ -72,17 +72,17 @@ impl Process {
 
     /// Has it wait before its next piece of work.
     pub fn pause(&mut self) {
-        self.tell("pause");
+        self.tell(desk::PAUSE);
     }
 
     /// Has it go on.
     pub fn go_on(&mut self) {
-        self.tell("go");
+        self.tell(desk::GO);
     }
 
     /// Has it end where its files are whole.
     pub fn stop(&mut self) {
-        self.tell("stop");
+        self.tell(desk::STOP);
         self.stopping.get_or_insert_with(Instant::now);
     }
 
@@ -160,7 +160,7 @@ fn listen(
 
 /// A line of the standard error: progress, or trouble.
 fn heard(line: String) -> Said {
-    let share = line.strip_prefix("progress ").and_then(|share| share.trim().parse::<f32>().ok());
+    let share = line.strip_prefix(PROGRESS).and_then(|share| share.trim().parse::<f32>().ok());
     match share {
         Some(share) => Said::Share((share / 1000.0).clamp(0.0, 1.0)),
         None => Said::Trouble(line.strip_prefix("nephos: ").unwrap_or(&line).to_owned()),

@@ -5,8 +5,7 @@ use eframe::egui::Ui;
 use super::{apply, hint, object::path};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    import::Grid,
-    scene::{Cloud, Up, Volume, timeline::Owner},
+    scene::{Cloud, Grid, Up, Volume, timeline::Owner},
 };
 
 /// The numbers of a cloud that is a volume.

@@ -3,6 +3,7 @@
 //! large heaps the volume of depths that is baked from those.
 
 mod body;
+mod bricks;
 mod depth_volume;
 mod ellipsoids;
 mod layer;
@@ -17,6 +18,9 @@ use std::hash::{DefaultHasher, Hasher};
 use glam::DVec3;
 
 pub(crate) use body::BodyUniform;
+pub(crate) use bricks::{Bricks as VolumeBricks, VolumeTextures};
+#[cfg(test)]
+pub(crate) use bricks::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
 #[cfg(test)]
 pub(crate) use depth_volume::{BrickUniform, CELLS};
 pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, DepthVolumeUniform, Plan};
@@ -30,9 +34,7 @@ pub(crate) use noise::FINE;
 pub(crate) use noise::{NoiseFrame, upload as upload_noise};
 pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
-pub(crate) use volume::{Bricks as VolumeBricks, VOLUME, VolumeShape, VolumeTextures, VolumeUniform};
-#[cfg(test)]
-pub(crate) use volume::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
+pub(crate) use volume::{VOLUME, VolumeShape, VolumeUniform};
 pub(crate) use world::World;
 
 use crate::{

@@ -5,7 +5,8 @@ mod wrf;
 
 use netcdf_reader::{NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem};
 
-use super::{bytes::Problem, grid::Grid, volume::Found};
+use super::{bytes::Problem, volume::Found};
+use crate::scene::Grid;
 
 /// What files begin with: the classic formats, and HDF5.
 const HEADS: [&[u8]; 2] = [b"CDF", b"\x89HDF\r\n\x1a\n"];

@@ -9,9 +9,9 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::{
     bytes::{Bytes, Problem},
-    grid::Grid,
     volume::Found,
 };
+use crate::scene::Grid;
 use crate::vdb::{ACTIVE_MASK, MAGIC, ZIP};
 use codec::{NODE_MASKS, Number, Packing};
 use tree::Tree;

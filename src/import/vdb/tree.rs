@@ -7,7 +7,7 @@ use glam::IVec3;
 use super::super::bytes::{Bytes, Problem};
 use super::codec::{NODE_MASKS, Packing, is_on};
 use crate::{
-    render::{BLOCK_EDGE, BLOCK_VOXELS, Block},
+    scene::{BLOCK_EDGE, BLOCK_VOXELS, Block},
     vdb::{LOWER, Level, UPPER},
 };
 

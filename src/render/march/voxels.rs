@@ -16,12 +16,9 @@ use crate::{
         medium::{EllipsoidUniform, World},
     },
     gpu::{self, ComputeProgram, Gpu},
+    scene::{BLOCK_EDGE, BLOCK_VOXELS, Block},
 };
 
-/// Voxels along the edge of a block.
-pub const BLOCK_EDGE: i32 = 8;
-/// Voxels of a block.
-pub const BLOCK_VOXELS: usize = 512;
 /// Most voxels of all blocks: 2 GiB of them.
 const MOST_VOXELS: usize = 1 << 29;
 /// Blocks of one dispatch: about a tenth of a second on two CPU cores.
@@ -58,15 +55,6 @@ pub struct VoxelGrid {
     pub world_from_volume: DMat3,
     /// Samples along each edge of a voxel; the voxel holds their mean.
     pub samples: u32,
-}
-
-/// A block of voxels.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// Number of the block along each axis: its first voxel has [`BLOCK_EDGE`] times that.
-    pub index: IVec3,
-    /// Mean extinction of each voxel, 1/m, z fastest.
-    pub values: Box<[f32; BLOCK_VOXELS]>,
 }
 
 /// The density of a frame: the middle of voxel `i` is at `voxel * i` in the volume.
@@ -147,12 +135,7 @@ impl Voxels {
 
     /// Voxels that hold anything: their numbers and extinctions, 1/m.
     pub fn filled(&self) -> impl Iterator<Item = (IVec3, f32)> {
-        self.blocks.iter().flat_map(|block| {
-            let first = BLOCK_EDGE * block.index;
-            let place = move |i: usize| first + IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
-            let voxels = block.values.iter().enumerate();
-            voxels.filter(|(_, value)| **value > 0.0).map(move |(i, value)| (place(i), *value))
-        })
+        self.blocks.iter().flat_map(Block::filled)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Flush, View, far_to_near};
 use crate::{
-    frame::{Frame, LitBy},
+    frame::{CloudFrame, Frame, LitBy},
     gpu::Timing,
     render::{
         SceneDepth, Settings,
@@ -76,8 +76,8 @@ impl Lamp {
         let shaded = is_shaded(frame, settings.shadows);
         // Light from within is solved for, or there is none.
         let in_fields = settings.transport.0.needs.field;
-        let presence = |(cloud, cover): (&crate::frame::CloudFrame, &Cover)| {
-            let is_flash = matches!(frame.by, LitBy::Flash(..));
+        let is_flash = matches!(frame.by, LitBy::Flash(..));
+        let presence = |(cloud, cover): (&CloudFrame, &Cover)| {
             if is_flash && (!in_fields || cloud.flash(frame.by).is_none()) {
                 return Presence::Away;
             }

@@ -281,35 +281,36 @@ impl Renderer {
 
     /// Clouds in a light that not all of them have, among the others, which are dark and stand before some.
     fn among_dark(&mut self, frame: &Frame, own: Vec<(usize, Draw)>, way: Way<'_>) -> Vec<(usize, Draw)> {
-        let settings = Settings { transport: Transport::DARK, ..self.settings };
-        let room = Room {
-            device: &self.device,
-            queue: &self.queue,
-            settings: &settings,
-            timing: self.timing.as_ref(),
-            media: &self.media,
-            covers: self.covers.all(),
-        };
-        let all = self.sun.draws(&room, (&mut self.march, &self.counters), frame, None, way);
+        let dark = Settings { transport: Transport::DARK, ..self.settings };
+        let all = self.draws_with(&dark, frame, None, way);
         let mut own: HashMap<usize, Draw> = own.into_iter().collect();
         all.into_iter().map(|(cloud, dark)| (cloud, own.remove(&cloud).unwrap_or(dark))).collect()
     }
 
     /// The same in the light of the sun, or of another by its number.
     fn draws_of(&mut self, frame: &Frame, number: Option<usize>, way: Way<'_>) -> Vec<(usize, Draw)> {
+        let settings = if number.is_none() { self.settings.of_sun(frame) } else { self.settings };
+        self.draws_with(&settings, frame, number, way)
+    }
+
+    /// The same with other settings.
+    fn draws_with(
+        &mut self,
+        settings: &Settings,
+        frame: &Frame,
+        number: Option<usize>,
+        way: Way<'_>,
+    ) -> Vec<(usize, Draw)> {
         let room = Room {
             device: &self.device,
             queue: &self.queue,
-            settings: &self.settings,
+            settings,
             timing: self.timing.as_ref(),
             media: &self.media,
             covers: self.covers.all(),
         };
         let march = (&mut self.march, &self.counters);
-        let Some(number) = number else {
-            let for_sun = self.settings.of_sun(frame);
-            return self.sun.draws(&Room { settings: &for_sun, ..room }, march, frame, None, way);
-        };
+        let Some(number) = number else { return self.sun.draws(&room, march, frame, None, way) };
         let sky = (frame.by != LitBy::Sky).then_some(&self.sun.sky);
         let lamp = self.further[number].as_mut();
         lamp.map_or_else(Vec::new, |lamp| lamp.draws(&room, march, frame, sky, way))
@@ -334,14 +335,13 @@ impl Renderer {
 
 /// Clouds in one light after the same clouds in those before; clouds that have none of those have none at all.
 fn each_over_its_own(draws: Vec<(usize, Draw)>, own: Vec<(usize, Draw)>) -> Vec<(usize, Draw)> {
-    let mut own: Vec<_> = own.into_iter().map(Some).collect();
+    let mut own: HashMap<usize, Draw> = own.into_iter().collect();
     let mut all = Vec::with_capacity(draws.len() + own.len());
     let mut draws = draws.into_iter().peekable();
     while let Some((cloud, draw)) = draws.next() {
         all.push((cloud, draw));
         if draws.peek().is_none_or(|(next, _)| *next != cloud) {
-            let found = own.iter_mut().find(|own| own.as_ref().is_some_and(|(of, _)| *of == cloud));
-            all.extend(found.and_then(Option::take));
+            all.extend(own.remove(&cloud).map(|draw| (cloud, draw)));
         }
     }
     all

@@ -54,13 +54,6 @@ pub struct LightLayers {
     pub air: wgpu::Texture,
 }
 
-impl LightLayers {
-    /// What is in and before the clouds.
-    pub fn of_clouds(&self) -> [&wgpu::Texture; 3] {
-        [&self.single, &self.multiple, &self.air]
-    }
-}
-
 /// The light of a picture apart.
 pub struct Layers {
     /// Of the sun, and of a sky with light of its own.

@@ -10,7 +10,7 @@ use crate::{
 
 /// Colours of EXR files.
 #[derive(Debug, Clone, Default, Args)]
-pub(super) struct LightOptions {
+pub(super) struct ColorOptions {
     /// Primaries and white of the light in EXR files: rec709 where left out.
     #[arg(long, value_name = "SPACE", value_enum)]
     color_space: Option<SpaceName>,
@@ -28,7 +28,7 @@ enum SpaceName {
     Acescg,
 }
 
-impl LightOptions {
+impl ColorOptions {
     /// Refuses words about light where `file`, such as "PNG", holds none.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3, IVec3};
 
-use crate::render::{BLOCK_EDGE, BLOCK_VOXELS, Block};
+use super::block::{BLOCK_EDGE, BLOCK_VOXELS, Block, voxel};
 
 /// Most voxels along an axis, of what is not empty.
 pub const MOST_ALONG: i32 = 2048;
@@ -155,17 +155,6 @@ impl Grid {
 
     /// Numbers and values of voxels that are not 0.
     pub fn filled(&self) -> impl Iterator<Item = (IVec3, f32)> {
-        self.blocks.iter().flat_map(|block| {
-            let first = BLOCK_EDGE * block.index;
-            let place = move |i: usize| first + IVec3::new(i as i32 >> 6, i as i32 >> 3 & 7, i as i32 & 7);
-            let voxels = block.values.iter().enumerate();
-            voxels.filter(|(_, value)| **value > 0.0).map(move |(i, value)| (place(i), *value))
-        })
+        self.blocks.iter().flat_map(Block::filled)
     }
-}
-
-/// Place of a voxel in its block.
-pub(crate) fn voxel(at: IVec3) -> usize {
-    let [x, y, z] = at.to_array().map(|i| i.rem_euclid(BLOCK_EDGE) as usize);
-    64 * x + 8 * y + z
 }
