@@ -6,13 +6,13 @@
 
 use std::{error::Error, path::Path, time::Instant};
 
-use glam::DVec3;
 use nephos::{
     Result,
     export::Picture,
     gpu::Gpu,
+    measure::{crowd, heap},
     render::{Counts, Frame, Quality, Renderer, Target},
-    scene::{Camera, Cloud, Edge, Ellipsoid, Noise, Projection, Scene, Sun, SunPosition},
+    scene::Scene,
 };
 use plotters::{coord::Shift, prelude::*};
 
@@ -50,7 +50,7 @@ fn main() -> Outcome {
         Ok(Some((count as f64, cost)))
     };
     let all = |costs: Vec<Option<(f64, Cost)>>| costs.into_iter().collect::<Option<Vec<_>>>();
-    let fields = FIELDS.map(|count| report(count, EACH, "clouds", field(count)));
+    let fields = FIELDS.map(|count| report(count, EACH, "clouds", crowd(count)));
     let fields = all(fields.into_iter().collect::<Result<Vec<_>>>()?);
     let heaps = HEAPS.map(|count| report(count, 1, "ellipsoids", heap(count)));
     let heaps = all(heaps.into_iter().collect::<Result<Vec<_>>>()?);
@@ -133,7 +133,7 @@ impl Cost {
         let frame = Frame::new(scene, SIZE)?;
         let frame_ms = 1e3 * start.elapsed().as_secs_f64();
         // Compile what the scene needs.
-        draw(gpu, &mut renderer, &Frame::new(&field(1), SIZE)?)?;
+        draw(gpu, &mut renderer, &Frame::new(&crowd(1), SIZE)?)?;
         let (first_s, picture) = draw(gpu, &mut renderer, &frame)?;
         let mut again = Vec::new();
         for _ in 0..5 {
@@ -210,74 +210,4 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<_> = values.collect();
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
-}
-
-/// Clouds of sixteen ellipsoids in front of the camera, about one on each 750 m by 750 m.
-fn field(clouds: usize) -> Scene {
-    let span = 750.0 * (clouds as f64).sqrt();
-    let mut numbers = Numbers(1);
-    let clouds = (0..clouds)
-        .map(|_| {
-            let place = DVec3::new(span * (numbers.next() - 0.5), 900.0, -900.0 - span * numbers.next());
-            cloud(place, 0.6 + 0.8 * numbers.next(), EACH, &mut numbers)
-        })
-        .collect();
-    seen(clouds)
-}
-
-/// One cloud of many ellipsoids, the smaller the more there are.
-fn heap(count: usize) -> Scene {
-    let mut numbers = Numbers(2);
-    let size = (EACH as f64 / count as f64).cbrt();
-    let mut heap = cloud(DVec3::new(0.0, 900.0, -1300.0), 1.0, count, &mut numbers);
-    for ellipsoid in &mut heap.ellipsoids {
-        ellipsoid.radii *= size;
-    }
-    heap.edge.boundary *= size;
-    seen(vec![heap])
-}
-
-fn cloud(place: DVec3, size: f64, count: usize, numbers: &mut Numbers) -> Cloud {
-    let ellipsoids = (0..count).map(|_| {
-        let (angle, out) = (std::f64::consts::TAU * numbers.next(), numbers.next().sqrt());
-        let up = numbers.next() * (1.0 - 0.9 * out) * 160.0;
-        let around = 180.0 * out * DVec3::new(angle.cos(), 0.0, angle.sin());
-        let radius = size * (45.0 + 45.0 * numbers.next());
-        Ellipsoid::new(place + size * (around + up * DVec3::Y), radius * DVec3::new(1.0, 0.75, 1.0))
-    });
-    Cloud {
-        ellipsoids: ellipsoids.collect(),
-        edge: Edge { boundary: 28.0 * size, wispiness: 0.25 },
-        ..Cloud::default()
-    }
-}
-
-fn seen(clouds: Vec<Cloud>) -> Scene {
-    let angles = SunPosition::Angles { azimuth_deg: 230.0, elevation_deg: 40.0 };
-    Scene {
-        clouds,
-        noise: Noise { scale: Some(45.0), ..Noise::default() },
-        sun: Sun { position: angles, ..Sun::default() },
-        camera: Some(Camera {
-            position: DVec3::new(0.0, 700.0, 300.0),
-            target: DVec3::new(0.0, 800.0, -2000.0),
-            roll_deg: 0.0,
-            projection: Projection::Perspective { vertical_fov_deg: 40.0 },
-        }),
-        ..Scene::default()
-    }
-}
-
-/// Evenly spread numbers in [0, 1), the same on every machine.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        // Steele, Lea and Flood (2014).
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ (z >> 31)) as f64 / 2f64.powi(64)
-    }
 }

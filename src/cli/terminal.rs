@@ -149,9 +149,14 @@ pub(super) fn print(text: &str) -> Result<()> {
 
 /// Writes a value as JSON to the standard output.
 pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    print(&json(value)?)
+}
+
+/// A value as JSON, with the line's end.
+pub(super) fn json(value: &impl serde::Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value)
         .map_err(|error| Error::Argument(format!("the result could not be written as JSON: {error}")))?;
-    print(&(text + "\n"))
+    Ok(text + "\n")
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub(crate) enum LitBy {
 }
 
 /// A light beside the sun.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FrameLight {
     /// What files call it.
     pub name: String,

@@ -26,7 +26,7 @@ use medium::{LayerShape, Medium};
 pub(crate) use shared::Shared;
 
 /// A scene at one moment, seen by one camera, for one size of picture.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     pub(crate) camera: CameraUniform,
     pub(crate) camera_position: DVec3,
@@ -55,7 +55,7 @@ pub(crate) struct Sun {
 
 /// A cloud in its own frame, whose origin is in the middle of it and whose axes are the
 /// world's. What is kept between frames lives here and does not notice the camera.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CloudFrame {
     /// Origin in the world, m.
     pub origin: DVec3,

@@ -7,12 +7,23 @@ use wgpu::{
     StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
+use super::made::Made;
+
 /// Group of the vertex stage alone; others are seen by all stages.
 const OF_VERTICES: u32 = 3;
 
-/// Layouts of all groups that linked WGSL declares, from group 0 on; none for one that is left out.
-pub(super) fn layouts(device: &wgpu::Device, linked: &str) -> Vec<Option<BindGroupLayout>> {
-    let declared: Vec<_> = linked.split([';', '\n']).filter_map(declaration).collect();
+/// Bindings of group 0 whose place in their buffer is told anew with each draw or dispatch: by shader, what of a
+/// thousand clouds lies in one buffer.
+const MOVING: [(&str, u32); 2] = [("march", 1), ("moments_view", 1)];
+
+/// Layouts of all groups that the linked WGSL of shader `name` declares, from group 0 on; none for one that is left out.
+pub(super) fn layouts(device: &wgpu::Device, name: &str, linked: &str) -> Vec<Option<BindGroupLayout>> {
+    let mut declared: Vec<_> = linked.split([';', '\n']).filter_map(declaration).collect();
+    for (group, entry) in &mut declared {
+        if let BindingType::Buffer { has_dynamic_offset, .. } = &mut entry.ty {
+            *has_dynamic_offset = *group == 0 && MOVING.contains(&(name, entry.binding));
+        }
+    }
     let groups = declared.iter().map(|(group, _)| group + 1).max().unwrap_or(0);
     let layout = |group| {
         let mut entries: Vec<_> =
@@ -103,6 +114,7 @@ pub(crate) fn bind_group(
             Some(wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone()? })
         })
         .collect();
+    Made::one(|made| &mut made.groups);
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 

@@ -3,6 +3,7 @@
 mod device;
 mod group;
 mod link;
+mod made;
 mod pack;
 mod readback;
 mod shader;
@@ -16,7 +17,8 @@ pub(crate) use group::bind_group;
 #[cfg(not(target_arch = "wasm32"))]
 pub use link::validate;
 pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link};
-pub(crate) use pack::{Pack, Place};
+pub use made::Made;
+pub(crate) use pack::{Pack, Shelf, one_of};
 pub use readback::{read_buffer, read_texture};
 pub use shader::ComputeProgram;
 pub(crate) use shader::{ADDS, Shader, Strips, draw_screen, screen_pipeline, strip_pipeline};

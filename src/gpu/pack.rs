@@ -1,6 +1,9 @@
 //! Many small values in one buffer: making a buffer costs far more than filling it.
 
-use super::texture::{UNIFORM, filled_buffer};
+use super::{
+    made::Made,
+    texture::{UNIFORM, filled_buffer},
+};
 
 /// Gathers values; each begins where a binding may.
 #[derive(Default)]
@@ -36,6 +39,70 @@ impl Pack {
     }
 }
 
+/// A buffer that is kept from picture to picture, filled anew, and made anew only where it is too small.
+pub(crate) struct Shelf {
+    label: &'static str,
+    /// Bytes from one value to the next.
+    stride: u64,
+    buffer: Option<wgpu::Buffer>,
+}
+
+impl Shelf {
+    /// For values that shaders read as one array.
+    pub fn new(label: &'static str) -> Self {
+        Self { label, stride: 0, buffer: None }
+    }
+
+    /// For values that are bound one at a time, at [`Shelf::offset`].
+    pub fn of_places(label: &'static str) -> Self {
+        Self { label, stride: ALIGNMENT as u64, buffer: None }
+    }
+
+    /// Where the value of this number lies, bytes.
+    pub fn offset(number: usize) -> u32 {
+        (number * ALIGNMENT) as u32
+    }
+
+    /// Fills it with `values` for the next submission; returns the buffer, which is another one where it had to grow.
+    pub fn fill<T: bytemuck::Pod>(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        values: &[T],
+    ) -> &wgpu::Buffer {
+        let each = (size_of::<T>() as u64).next_multiple_of(self.stride.max(1)) as usize;
+        let size = (each * values.len().max(1)) as u64;
+        let known = self.buffer.take().filter(|buffer| buffer.size() >= size);
+        let buffer = self.buffer.insert(known.unwrap_or_else(|| {
+            Made::one(|made| &mut made.buffers);
+            let (label, size) = (Some(self.label), size.next_power_of_two().max(ALIGNMENT as u64));
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label,
+                size,
+                usage: UNIFORM,
+                mapped_at_creation: false,
+            })
+        }));
+        Made::one(|made| &mut made.writes);
+        if each == size_of::<T>() {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(values));
+        } else {
+            let mut spread = vec![0; each * values.len()];
+            for (place, value) in spread.chunks_exact_mut(each).zip(values) {
+                place[..size_of::<T>()].copy_from_slice(bytemuck::bytes_of(value));
+            }
+            queue.write_buffer(buffer, 0, &spread);
+        }
+        buffer
+    }
+}
+
+/// The first value of a buffer whose values are bound one at a time.
+pub(crate) fn one_of<T>(buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
+    let size = std::num::NonZeroU64::new(size_of::<T>() as u64);
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+}
+
 impl Place {
     /// These values alone, of their buffer.
     pub fn binding(self, buffer: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
@@ -47,6 +114,19 @@ impl Place {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shelf_is_filled_in_place_and_grows_only_where_it_is_too_small() {
+        let name = std::env::var("NEPHOS_ADAPTER").ok();
+        let gpu = pollster::block_on(crate::gpu::Gpu::open(name.as_deref())).unwrap();
+        let mut shelf = Shelf::of_places("numbers");
+        let mut fill = |values: &[f32]| shelf.fill(&gpu.device, &gpu.queue, values).clone();
+        let (few, fewer) = (fill(&[1.0, 2.0, 3.0]), fill(&[4.0]));
+        assert!(few == fewer && few.size() >= 3 * ALIGNMENT as u64);
+        let more = fill(&[0.0; 9]);
+        assert!(more != few && more.size() >= u64::from(Shelf::offset(9)));
+        assert!(fill(&[]) == more, "none take up no more");
+    }
 
     #[test]
     fn values_lie_apart_and_none_is_lost() {

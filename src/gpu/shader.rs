@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::{
     group::{bind_group, layouts},
     link::{Role, entry_point},
+    made::Made,
 };
 
 /// A shader with its roles filled, and the layouts of its bind groups.
@@ -25,7 +26,7 @@ impl Shader {
 
     fn from_text(device: &wgpu::Device, name: &str, linked: String) -> Self {
         let linked = adapted(device, linked);
-        let groups = layouts(device, &linked);
+        let groups = layouts(device, name, &linked);
         let layouts: Vec<_> = groups.iter().map(Option::as_ref).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(name),
@@ -143,6 +144,19 @@ impl ComputeProgram {
         self.record(pass, groups, self.groups_over(threads));
     }
 
+    /// The same of a program with one group, in which what moves is at `offset`, bytes.
+    pub fn record_over_at(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        (group, offset): (&wgpu::BindGroup, u32),
+        threads: [u32; 3],
+    ) {
+        let [x, y, z] = self.groups_over(threads);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, group, &[offset]);
+        pass.dispatch_workgroups(x, y, z);
+    }
+
     /// The same of `size` workgroups.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, groups: &[&wgpu::BindGroup], size: [u32; 3]) {
         pass.set_pipeline(&self.pipeline);
@@ -200,6 +214,7 @@ fn compute_pipeline(
     layout: Option<&wgpu::PipelineLayout>,
     overrides: &[(&str, f64)],
 ) -> wgpu::ComputePipeline {
+    Made::one(|made| &mut made.pipelines);
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(name),
         layout,
@@ -225,6 +240,7 @@ pub(crate) fn strip_pipeline(
     shader: &Shader,
     strips: &Strips<'_>,
 ) -> wgpu::RenderPipeline {
+    Made::one(|made| &mut made.pipelines);
     let options = || wgpu::PipelineCompilationOptions { constants: strips.overrides, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(strips.label),

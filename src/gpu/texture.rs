@@ -2,6 +2,8 @@
 
 use half::f16;
 
+use super::made::Made;
+
 /// What a texture is made for.
 pub struct TextureDesc<'a> {
     /// Shown in graphics debuggers.
@@ -19,6 +21,7 @@ pub struct TextureDesc<'a> {
 /// Makes the texture; it can always be sampled, written from the CPU and copied out.
 pub fn texture(device: &wgpu::Device, desc: &TextureDesc<'_>) -> wgpu::Texture {
     let dimension = if desc.size[2] == 0 { wgpu::TextureDimension::D2 } else { wgpu::TextureDimension::D3 };
+    Made::one(|made| &mut made.textures);
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(desc.label),
         size: wgpu::Extent3d {
@@ -132,6 +135,7 @@ pub(super) fn filled_buffer(
     usage: wgpu::BufferUsages,
     contents: &[u8],
 ) -> wgpu::Buffer {
+    Made::one(|made| &mut made.buffers);
     let size = (contents.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),

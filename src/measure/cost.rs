@@ -173,7 +173,7 @@ fn sun_moved(scene: &Scene, times: f64) -> Scene {
     scene
 }
 
-fn medians(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
+pub(super) fn medians(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
     let Some(first) = frames.first() else { return Vec::new() };
     let of = |pass: &'static str| {
         let times = frames.iter().flatten().filter(|time| time.pass == pass).map(|time| time.ms);
@@ -183,7 +183,7 @@ fn medians(frames: &[Vec<PassTime>]) -> Vec<PassTime> {
 }
 
 /// The median, the upper one of two; 0 of nothing.
-fn middle(mut values: Vec<f64>) -> f64 {
+pub(super) fn middle(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
 }

@@ -22,7 +22,7 @@ const MAP: [[f64; 3]; 7] = [
     [103.0, 0.0, 31.0],
 ];
 
-const STYLE: &str = include_str!("page.css");
+pub(super) const STYLE: &str = include_str!("page.css");
 
 /// The page, HTML.
 pub fn page(report: &Report) -> String {
@@ -44,7 +44,7 @@ pub fn page(report: &Report) -> String {
     )
 }
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -8,11 +8,11 @@ use crate::{
     frame::{
         Shared,
         medium::{
-            Common, DEPTH_VOLUME, DepthVolume, ELLIPSOIDS, LAYER, LayerShape, Medium, Plan, Tile,
-            TileTextures, VOLUME, VolumeBricks, VolumeTextures, upload_noise,
+            Common, DepthVolume, LayerShape, Medium, MediumKind, Plan, Tile, TileTextures, VolumeBricks,
+            VolumeTextures, upload_noise,
         },
     },
-    gpu::{ComputeProgram, Role, Shader, view},
+    gpu::{ComputeProgram, Shader, view},
 };
 
 /// Media that were in one of the last pictures.
@@ -26,7 +26,7 @@ pub(super) struct Media {
     bake_from: u32,
     /// How many volumes of depths were made so far.
     pub baked: u32,
-    layouts: HashMap<&'static str, BindGroupLayout>,
+    layouts: HashMap<MediumKind, BindGroupLayout>,
     bake: Option<ComputeProgram>,
     /// Fields of layers.
     tiles: Vec<(Shared<Tile>, TileTextures)>,
@@ -46,7 +46,7 @@ enum Volume {
 
 struct Kept {
     medium: Shared<Medium>,
-    role: Role<'static>,
+    kind: MediumKind,
     group: BindGroup,
     /// The last picture that it was in.
     picture: u64,
@@ -112,40 +112,40 @@ impl Media {
             && self.volumes.get(&medium.shape).is_some_and(|(volume, _)| !matches!(volume, Volume::Unsuited))
     }
 
-    /// The module that fills the role of the medium.
-    pub fn role(&self, medium: &Medium) -> Role<'static> {
+    /// Which module fills the role of the medium.
+    pub fn kind(&self, medium: &Medium) -> MediumKind {
         match &medium.layer {
-            Some(_) => LAYER,
-            None if medium.volume.is_some() => VOLUME,
-            None if self.is_baked(medium) => DEPTH_VOLUME,
-            None => ELLIPSOIDS,
+            Some(_) => MediumKind::Layer,
+            None if medium.volume.is_some() => MediumKind::Volume,
+            None if self.is_baked(medium) => MediumKind::DepthVolume,
+            None => MediumKind::Ellipsoids,
         }
     }
 
     /// Makes what shaders bind for `medium`, where it is not there.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, medium: &Shared<Medium>) {
-        let (role, picture) = (self.role(medium), self.picture);
+        let (kind, picture) = (self.kind(medium), self.picture);
         if let Some(volume) = &medium.volume {
             self.keep_bricks(&volume.bricks);
         }
         let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();
-        let mut known = known.filter(|kept| kept.role == role && kept.medium == *medium);
+        let mut known = known.filter(|kept| kept.kind == kind && kept.medium == *medium);
         if let Some(kept) = known.next() {
             // The next comparison is one of pointers.
             (kept.picture, kept.medium) = (picture, medium.clone());
             return;
         }
         drop(known);
-        let group = self.bind(encoder, medium, role);
-        let kept = Kept { medium: medium.clone(), role, group, picture };
+        let group = self.bind(encoder, medium, kind);
+        let kept = Kept { medium: medium.clone(), kind, group, picture };
         self.kept.entry(medium.fingerprint).or_default().push(kept);
     }
 
     /// What shaders bind as group 1 for a medium that was prepared.
     pub fn group(&self, medium: &Shared<Medium>) -> &BindGroup {
-        let role = self.role(medium);
+        let kind = self.kind(medium);
         let known = self.kept.get(&medium.fingerprint).into_iter().flatten();
-        let found = known.into_iter().find(|kept| kept.role == role && kept.medium == *medium);
+        let found = known.into_iter().find(|kept| kept.kind == kind && kept.medium == *medium);
         &found.expect("media of clouds in the picture are prepared before their light").group
     }
 
@@ -176,21 +176,16 @@ impl Media {
         self.volumes.values().map(bytes).sum()
     }
 
-    fn bind(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        medium: &Medium,
-        role: Role<'static>,
-    ) -> BindGroup {
+    fn bind(&mut self, encoder: &mut wgpu::CommandEncoder, medium: &Medium, kind: MediumKind) -> BindGroup {
         let (device, queue) = (&self.device, &self.queue);
         let noise = self.noise.get_or_insert_with(|| view(&upload_noise(device, queue))).clone();
         let common = Common::new(device, &[medium.body], noise);
         // Any shader that has the role declares its group.
         let layout = self
             .layouts
-            .entry(role.1)
+            .entry(kind)
             .or_insert_with(|| {
-                let groups = Shader::new(&self.device, "sky_volume", &[role]).groups;
+                let groups = Shader::new(&self.device, "sky_volume", &[kind.role()]).groups;
                 groups.into_iter().nth(1).flatten().expect("a medium binds what is there")
             })
             .clone();
@@ -202,7 +197,9 @@ impl Media {
             let textures = self.keep_bricks(&volume.bricks).clone();
             return common.bind_volume(&self.device, &layout, &volume.uniform, &textures);
         }
-        let Some((volume, _)) = self.volumes.get_mut(&medium.shape).filter(|_| role == DEPTH_VOLUME) else {
+        let Some((volume, _)) =
+            self.volumes.get_mut(&medium.shape).filter(|_| kind == MediumKind::DepthVolume)
+        else {
             return common.bind_ellipsoids(&self.device, &layout, &medium.ellipsoids);
         };
         if let Volume::Planned(plan) = volume {

@@ -133,3 +133,45 @@ fn what_is_not_there_is_told() {
         assert!(text.contains(reason) && !text.contains("panicked"), "{text}");
     }
 }
+
+#[test]
+fn the_program_tells_how_fast_frames_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, page] = ["speed.json", "speed.html"].map(|name| folder.path().join(name));
+    for (scenes, output) in [("sphere,clouds-3", &file), ("sphere", &page)] {
+        let output = output.to_str().unwrap();
+        let words = ["bench", "speed", "--scenes", scenes, "--sizes", "32x18", "--frames", "2"];
+        nephos(&[&words[..], &["--gflops", "50", "-o", output]].concat()).success();
+    }
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
+    let speeds = report["speeds"].as_array().unwrap();
+    assert_eq!((speeds.len(), &report["gflops"]), (4, &serde_json::json!(50.0)));
+    for (speed, motion) in speeds.iter().zip(["standing", "flying"].into_iter().cycle()) {
+        assert_eq!(speed["motion"], motion);
+        for number in ["recorded_ms", "frame_ms", "pixels_per_s", "first_s", "bytes", "covered"] {
+            assert!(speed[number].as_f64().unwrap() > 0.0, "{number} of {speed}");
+        }
+        assert!(speed["usage"]["rays"].as_f64().unwrap() > 0.0);
+        let made =
+            ["buffers", "groups", "textures", "pipelines"].map(|what| speed["made"][what].as_u64().unwrap());
+        // A camera that flies has the air's shadow bound anew, and clouds that come into view.
+        assert!(motion == "flying" || made == [0; 4], "{speed}");
+    }
+    assert_eq!(speeds[2]["clouds"], 3);
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.contains("<th>sphere</th>") && page.contains("<svg") && !page.contains("NaN"));
+}
+
+#[test]
+fn what_speed_is_not_told_of_is_told() {
+    for (words, reason) in [
+        (["--scenes", "clouds-9999"], "--scenes knows no `clouds-9999`"),
+        (["--sizes", "8k"], "--sizes knows no `8k`: there are 720p"),
+        (["--qualities", "best"], "--qualities knows no `best`"),
+        (["-o", "speed.txt"], "`speed.txt` is neither JSON nor a page"),
+    ] {
+        let output = nephos(&[&["bench", "speed"], &words[..]].concat()).code(1).get_output().stderr.clone();
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.contains(reason) && !text.contains("panicked"), "{text}");
+    }
+}

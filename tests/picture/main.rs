@@ -9,6 +9,7 @@ mod cameras;
 mod common;
 mod exposure;
 mod extremes;
+mod frames;
 mod ground;
 mod layers;
 mod light_turns;

@@ -3,6 +3,7 @@
 mod march;
 mod models;
 mod reference;
+mod speed;
 
 use clap::{Args, Subcommand};
 
@@ -25,6 +26,7 @@ pub struct Bench {
 enum What {
     Reference(reference::MakeReferences),
     March(march::BenchMarch),
+    Speed(speed::BenchSpeed),
 }
 
 impl Bench {
@@ -36,6 +38,7 @@ impl Bench {
         match self.what {
             Some(What::Reference(command)) => command.run(),
             Some(What::March(command)) => command.run(),
+            Some(What::Speed(command)) => command.run(),
             None => self.models.run(),
         }
     }

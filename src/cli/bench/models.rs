@@ -206,13 +206,13 @@ impl BenchModels {
 }
 
 /// What git says of the folder that this runs in.
-fn commit() -> Option<String> {
+pub(super) fn commit() -> Option<String> {
     let output = Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;
     (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
 }
 
-fn now() -> String {
+pub(super) fn now() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     chrono::DateTime::from_timestamp(seconds as i64, 0).map_or(String::new(), |now| now.to_rfc3339())
 }

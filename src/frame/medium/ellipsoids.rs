@@ -73,6 +73,11 @@ impl EllipsoidUniform {
         1.0 / [self.row_x, self.row_y, self.row_z].map(|row| row.w).into_iter().fold(1e-9, f32::max)
     }
 
+    /// The largest radius, m.
+    pub(crate) fn largest_radius(&self) -> f32 {
+        1.0 / [self.row_x, self.row_y, self.row_z].map(|row| row.w).into_iter().fold(f32::INFINITY, f32::min)
+    }
+
     /// Whether the homogeneous core holds a whole cube.
     pub(crate) fn core_holds(&self, corner: Vec3, edge: f32) -> bool {
         let rows = [self.row_x, self.row_y, self.row_z];

@@ -59,10 +59,30 @@ pub const MEDIA: &[Role<'static>] = &[ELLIPSOIDS, DEPTH_VOLUME, LAYER, VOLUME];
 pub(crate) const ELLIPSOIDS: Role<'static> =
     ("medium", include_str!("../../../shaders/medium/ellipsoids.wgsl"));
 
+/// Which module fills the role of the medium: quick to compare and to hash, as the module's text is not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum MediumKind {
+    Ellipsoids,
+    DepthVolume,
+    Layer,
+    Volume,
+}
+
+impl MediumKind {
+    pub fn role(self) -> Role<'static> {
+        match self {
+            Self::Ellipsoids => ELLIPSOIDS,
+            Self::DepthVolume => DEPTH_VOLUME,
+            Self::Layer => LAYER,
+            Self::Volume => VOLUME,
+        }
+    }
+}
+
 /// What a cloud is made of.
 #[derive(Debug)]
 pub(crate) struct Medium {
-    /// Differs where anything does, but for chance.
+    /// Differs where ellipsoids or body do, but for a chance of 2^-64.
     pub fingerprint: u64,
     /// Differs where its depths do, but for chance: not where all of it is thinner.
     pub shape: u64,
@@ -81,12 +101,11 @@ pub(crate) struct Medium {
     pub species: Shared<Species>,
 }
 
-/// Whether shaders see the same: wherever in the world it is, as a cloud that drifts with its noise.
+/// Whether shaders see the same: wherever in the world it is, as a cloud that drifts with its noise. Ellipsoids are
+/// told by the fingerprint: a thousand clouds are compared in each frame.
 impl PartialEq for Medium {
     fn eq(&self, other: &Self) -> bool {
         self.fingerprint == other.fingerprint
-            && self.ellipsoids == other.ellipsoids
-            && self.body == other.body
             && self.layer == other.layer
             && self.volume == other.volume
             && self.species == other.species

@@ -7,6 +7,7 @@ mod field;
 mod inputs;
 mod model;
 mod models;
+mod moment;
 mod occluders;
 mod openness;
 mod plan;
@@ -24,7 +25,7 @@ pub(crate) use bricks::BRICK;
 pub use field::FieldUniform;
 pub(super) use inputs::Inputs;
 pub use model::Transport;
-pub(super) use occluders::{begins_before, occluders};
+pub(super) use occluders::{Occluders, begins_before};
 #[cfg(test)]
 pub use prepare::LightUniform;
 pub(super) use prepare::{Binding, CloudLight};

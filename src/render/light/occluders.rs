@@ -3,7 +3,42 @@
 
 use glam::DVec3;
 
-use crate::frame::CloudFrame;
+use crate::frame::{CloudFrame, Frame, Shared, medium::Medium};
+
+/// Which clouds stand before each cloud of a frame, as it was last asked for.
+#[derive(Default)]
+pub(in crate::render) struct Occluders {
+    clouds: Vec<(DVec3, Shared<Medium>)>,
+    to_sun: DVec3,
+    lists: Vec<Vec<u32>>,
+}
+
+impl Occluders {
+    /// Those of `frame` in the light of its sun: found anew where clouds or sun have moved.
+    pub fn find(&mut self, frame: &Frame) {
+        let same = |((origin, medium), cloud): (&(DVec3, Shared<Medium>), &CloudFrame)| {
+            *origin == cloud.origin && *medium == cloud.medium
+        };
+        let is_same = self.to_sun == frame.sun.to_sun
+            && self.clouds.len() == frame.clouds.len()
+            && self.clouds.iter().zip(&frame.clouds).all(same);
+        if !is_same {
+            self.clouds = frame.clouds.iter().map(|cloud| (cloud.origin, cloud.medium.clone())).collect();
+            self.to_sun = frame.sun.to_sun;
+            self.lists = occluders(&frame.clouds, -self.to_sun);
+        }
+    }
+
+    /// Nothing shades anything.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Numbers of the clouds that stand before each, in order; no lists where nothing shades anything.
+    pub fn lists(&self) -> &[Vec<u32>] {
+        &self.lists
+    }
+}
 
 /// What is added to a cloud's half-extents: its maps are a little wider than it.
 const MARGIN: f64 = 1.25;
@@ -22,7 +57,7 @@ fn overlap(a: [f64; 2], b: [f64; 2]) -> bool {
 /// that goes along `along`, and that do not lie wholly behind it: never one too few. Layers, which have no end, stand
 /// before all that is behind them in height; what shades them is in maps
 /// ([`crate::render::shadow`]).
-pub(in crate::render) fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
+fn occluders(clouds: &[CloudFrame], along: DVec3) -> Vec<Vec<u32>> {
     let (across, aside) = along.any_orthonormal_pair();
     let ranges: Vec<_> =
         clouds.iter().map(|cloud| [across, aside, along].map(|axis| extent(cloud, axis))).collect();

@@ -10,6 +10,7 @@ use super::{
     sun::{BoxKey, volume},
 };
 use crate::{
+    frame::medium::MediumKind,
     gpu::{self, ComputeProgram},
     render::medium::Media,
 };
@@ -21,7 +22,7 @@ pub(super) struct Openness {
 
 /// The programs by medium, compiled when first needed.
 #[derive(Default)]
-pub(super) struct OpennessPass(HashMap<&'static str, ComputeProgram>);
+pub(super) struct OpennessPass(HashMap<MediumKind, ComputeProgram>);
 
 impl OpennessPass {
     pub fn make(
@@ -32,11 +33,11 @@ impl OpennessPass {
         key: &BoxKey,
     ) -> Openness {
         let device = inputs.device;
-        let role = media.role(&key.medium);
+        let kind = media.kind(&key.medium);
         let program = self
             .0
-            .entry(role.1)
-            .or_insert_with(|| ComputeProgram::with_roles(device, "sky_volume", &[role], &[]));
+            .entry(kind)
+            .or_insert_with(|| ComputeProgram::with_roles(device, "sky_volume", &[kind.role()], &[]));
         let volume = gpu::view(&volume(device, "sky volume", key.voxels));
         let bricks = Bricks::of(&key.light_box, &key.medium, key.voxels);
         let buffers = [

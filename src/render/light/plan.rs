@@ -93,16 +93,21 @@ pub(super) fn plan(
         })
         .collect();
     let most = allowance(quality, seen.iter().flatten().count());
-    let mut finest = f64::INFINITY;
-    loop {
-        let details: Vec<_> =
-            seen.iter().map(|cloud| cloud.map(|(detail, pixels)| detail.at_most(finest * pixels))).collect();
-        let total: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
-        if total <= most || finest < 1e-6 {
-            return details;
-        }
-        finest = if finest == f64::INFINITY { 4.0 } else { FINER * finest };
-    }
+    let details = |finest: f64| {
+        seen.iter().map(move |cloud| cloud.map(|(detail, pixels)| detail.at_most(finest * pixels)))
+    };
+    let fits = |finest: f64| details(finest).flatten().map(Detail::bytes).sum::<u64>() <= most;
+    // Coarser light takes no more, so that the finest that fits is found by halving.
+    let tried = tried();
+    let place = tried.partition_point(|&finest| finest >= 1e-6 && !fits(finest));
+    details(tried[place.min(tried.len() - 1)]).collect()
+}
+
+/// Texels a pixel that are tried, finest first: all that clouds want, then ever fewer.
+fn tried() -> Vec<f64> {
+    let fewer = std::iter::successors(Some(4.0), |finest| Some(FINER * finest));
+    let last = fewer.clone().position(|finest| finest < 1e-6).unwrap_or(0);
+    [f64::INFINITY].into_iter().chain(fewer.take(last + 1)).collect()
 }
 
 /// How wide a cloud is in the picture, pixels; as good as infinite from within.

@@ -5,7 +5,7 @@ use wgpu::{BindGroup, TextureView};
 
 use super::{
     boxes::LightBox,
-    field::{Field, FieldKey, FieldPass, SolvedLight},
+    field::{Eyes, Field, FieldKey, FieldPass, SolvedLight},
     inputs::Inputs,
     model::{Parts, Transport},
     openness::{Openness, OpennessPass},
@@ -85,6 +85,7 @@ pub(in crate::render) struct CloudLight {
     pub(super) openness: Option<Openness>,
     pub(super) field: Option<Field>,
     made_for: Wanted,
+    bytes: u64,
     /// How a model binds it.
     bound: Option<(Transport, BindGroup)>,
 }
@@ -103,13 +104,23 @@ pub struct LightUniform {
 }
 
 impl CloudLight {
+    fn new(
+        made_for: Wanted,
+        sun: Option<SunVolume>,
+        openness: Option<Openness>,
+        field: Option<Field>,
+    ) -> Self {
+        let textures = sun.iter().flat_map(SunVolume::textures);
+        let textures = textures.chain(openness.iter().map(|openness| &openness.volume));
+        let solved = field.iter().flat_map(|field| [&field.sun].into_iter().chain(&field.sky));
+        let bytes = textures.map(|view| bytes(view.texture())).sum::<u64>()
+            + solved.map(SolvedLight::bytes).sum::<u64>();
+        Self { sun, openness, field, made_for, bytes, bound: None }
+    }
+
     /// Memory of its textures, bytes.
     pub fn bytes(&self) -> u64 {
-        let sun = self.sun.iter().flat_map(SunVolume::textures);
-        let openness = self.openness.iter().map(|openness| &openness.volume);
-        let textures: u64 = sun.chain(openness).map(|view| bytes(view.texture())).sum();
-        let field = self.field.iter().flat_map(|field| [&field.sun].into_iter().chain(&field.sky));
-        textures + field.map(SolvedLight::bytes).sum::<u64>()
+        self.bytes
     }
 
     /// The volume of optical depth to the sun, and its box.
@@ -142,6 +153,11 @@ impl CloudLight {
             (maps, w.openness.is_some(), w.field.is_some(), w.sky_field.is_some())
         };
         parts(&self.made_for) == parts(wanted)
+    }
+
+    /// How `transport` binds it, where that was asked for last.
+    pub fn bound(&self, transport: Transport) -> Option<&BindGroup> {
+        self.bound.as_ref().filter(|(known, _)| *known == transport).map(|(_, group)| group)
     }
 
     /// How `transport` binds the light of `cloud`, made when first asked for.
@@ -203,6 +219,7 @@ pub(super) struct LightPass {
     pub sun: SunPass,
     openness: OpennessPass,
     field: Option<FieldPass>,
+    eyes: Eyes,
 }
 
 impl LightPass {
@@ -258,19 +275,19 @@ impl LightPass {
                 &mut count,
             )
         });
-        CloudLight { sun, openness, field, made_for: wanted, bound: None }
+        CloudLight::new(wanted, sun, openness, field)
     }
 
-    /// Finds what of solved light goes to an eye ([`super::field::eye_of`]), where that has moved.
-    pub fn see(
-        &self,
+    /// Finds what of solved light goes to the eyes of clouds ([`super::field::eye_of`]), where those have moved.
+    pub fn see<'a>(
+        &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        light: &mut CloudLight,
-        eye: Vec4,
+        lights: impl Iterator<Item = (&'a mut CloudLight, Vec4)>,
     ) {
-        if let (Some(pass), Some(field)) = (&self.field, &mut light.field) {
-            field.seen_from(pass, inputs.device, encoder, eye);
+        let fields = lights.filter_map(|(light, eye)| Some((light.field.as_mut()?, eye)));
+        if let Some(pass) = &self.field {
+            self.eyes.see(pass, encoder, inputs, fields);
         }
     }
 }

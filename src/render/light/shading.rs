@@ -48,7 +48,7 @@ impl<'a> Shading<'a> {
     }
 
     /// Numbers of the clouds that stand before a cloud.
-    fn numbers(&self, number: usize) -> impl Iterator<Item = usize> {
+    pub fn numbers(&self, number: usize) -> impl Iterator<Item = usize> {
         let before = self.before.get(number).into_iter().flatten().map(|&other| other as usize);
         before.filter(|&other| self.boxes[other].is_some())
     }

@@ -6,6 +6,7 @@ use std::collections::{HashMap, VecDeque};
 use super::{
     field::eye_of,
     inputs::Inputs,
+    moment::Moment,
     plan::{Detail, allowance, plan},
     prepare::{CloudLight, LightPass, Wanted, box_of},
     shading::{Ahead, Shading},
@@ -23,6 +24,10 @@ fn place(cloud: &CloudFrame) -> Place {
     cloud.origin.to_array().map(f64::to_bits)
 }
 
+/// Light that is submitted at once where it is made in pieces, bytes: of one large cloud in draft quality, or of a dozen
+/// that are small in the picture.
+const ENOUGH: u64 = 1 << 20;
+
 /// Light of a cloud.
 struct Kept {
     place: Place,
@@ -31,6 +36,8 @@ struct Kept {
     light: CloudLight,
     /// Number of the picture that it was made for.
     made: u64,
+    /// What it was last found good for.
+    good: Option<Good>,
 }
 
 /// What a picture wants of a cloud.
@@ -52,10 +59,42 @@ pub(in crate::render) struct LightStore {
     away: Vec<Kept>,
     ahead: Ahead,
     pictures: u64,
+    moment: Option<Moment>,
+    /// How many moments there were.
+    moments: u64,
+    /// What was last asked for, and given.
+    asked: Option<Asked>,
+    casters: Vec<Caster>,
     /// How many volumes were made so far.
     pub redone: u32,
     /// Clouds of the last picture whose light is of another moment, or is yet to be made.
     pub waiting: u32,
+}
+
+/// What a picture asks of the light of a moment.
+#[derive(PartialEq)]
+struct Asked {
+    moment: u64,
+    presence: Vec<Presence>,
+    details: Vec<Option<Detail>>,
+    allowance: u64,
+}
+
+impl Asked {
+    /// What a cloud's light is good for: the moment, its own detail, and those of the clouds before it. None for clouds
+    /// out of view.
+    fn of(&self, index: usize, shading: &Shading<'_>) -> Option<Good> {
+        let others = shading.numbers(index).map(|other| self.details[other]);
+        Some(Good { moment: self.moment, detail: self.details[index]?, others: others.collect() })
+    }
+}
+
+/// What light was last found good for.
+#[derive(Clone, PartialEq)]
+struct Good {
+    moment: u64,
+    detail: Detail,
+    others: Vec<Option<Detail>>,
 }
 
 impl LightStore {
@@ -64,15 +103,18 @@ impl LightStore {
         self.lights.get_mut(index)?.as_mut().map(|kept| &mut kept.light)
     }
 
-    /// What clouds of the frame cast shadows with, by their numbers: of those whose light is there.
-    pub fn casters(&self, frame: &Frame) -> Vec<(usize, Caster)> {
+    /// What clouds of the frame cast shadows with: of those whose light is there.
+    pub fn casters(&self) -> &[Caster] {
+        &self.casters
+    }
+
+    fn found_casters(&self, frame: &Frame) -> Vec<Caster> {
         let lights = frame.clouds.iter().zip(&self.lights).enumerate();
         lights
             .filter_map(|(number, (cloud, kept))| {
                 let (light_box, volume) = kept.as_ref()?.light.sunlight()?;
                 let turning = 1.0 - cloud.medium.species.asymmetry;
-                let caster = Caster { origin: cloud.origin, light_box, volume: volume.clone(), turning };
-                Some((number, caster))
+                Some(Caster { number, origin: cloud.origin, light_box, volume: volume.clone(), turning })
             })
             .collect()
     }
@@ -98,15 +140,44 @@ impl LightStore {
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
         self.pictures += 1;
-        self.waiting = 0;
-        let (mut known, mut rest) = self.found(frame);
+        let same = self.moment.as_ref().is_some_and(|moment| moment.is(inputs, frame));
+        if !same {
+            self.moment = Some(Moment::new(inputs, frame));
+            self.moments += 1;
+        }
         let in_view: Vec<_> = presence.iter().map(|here| *here == Presence::Seen).collect();
         let details = plan(quality, &frame.clouds, &in_view, &frame.camera, frame.camera_position);
-        let planned: u64 = details.iter().flatten().map(|detail| detail.bytes()).sum();
         let seen = in_view.iter().filter(|seen| **seen).count();
-        let mut spare = allowance(quality, seen).saturating_sub(planned);
+        let allowance = allowance(quality, seen);
+        let asked = Asked { moment: self.moments, presence: presence.to_vec(), details, allowance };
+        if self.waiting > 0 || self.asked.as_ref() != Some(&asked) {
+            self.waiting = 0;
+            self.make(encoder, inputs, media, frame, &asked, same, before, most, flush);
+            self.casters = self.found_casters(frame);
+            self.asked = Some(asked);
+        }
+        self.see(encoder, inputs, frame, &in_view);
+    }
+
+    /// Goes through all clouds: takes over what is good, and makes the rest.
+    #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
+    fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        media: &Media,
+        frame: &Frame,
+        asked: &Asked,
+        same: bool,
+        before: &[Vec<u32>],
+        most: u32,
+        flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
+    ) {
+        let (mut known, mut rest) = if same { self.found_again(frame) } else { self.found(frame) };
+        let planned: u64 = asked.details.iter().flatten().map(|detail| detail.bytes()).sum();
+        let mut spare = asked.allowance.saturating_sub(planned);
         let casts = |index: usize| {
-            (presence[index] == Presence::Shading && inputs.needs.sun).then(|| {
+            (asked.presence[index] == Presence::Shading && inputs.needs.sun).then(|| {
                 let kept = known[index].as_ref().filter(|kept: &&Kept| kept.light.bytes() <= spare);
                 let cloud = &frame.clouds[index];
                 // What it had when it was in view does, and is there when it comes back.
@@ -114,29 +185,36 @@ impl LightStore {
                 of.unwrap_or_else(|| box_of(inputs, cloud, Detail::SHADOW))
             })
         };
-        let shading = Shading::new(inputs, frame, before, &details, casts);
+        let shading = Shading::new(inputs, frame, before, &asked.details, casts);
         let mut order: Vec<_> = (0..frame.clouds.len()).collect();
         // Shadows of clouds out of view come last.
-        order.sort_by_key(|&index| (!in_view[index], known[index].as_ref().map(|kept| kept.made)));
+        order.sort_by_key(|&index| {
+            (asked.presence[index] != Presence::Seen, known[index].as_ref().map(|kept| kept.made))
+        });
         self.lights.resize_with(frame.clouds.len(), || None);
-        let mut left = most;
+        let (mut left, mut recorded) = (most, 0);
         for index in order {
             let cloud = &frame.clouds[index];
-            let before = known[index].take();
-            let wanted = match (details[index], shading.of(index)) {
+            let before = known[index].take().map(|kept| Kept { number: index, ..kept });
+            let good = asked.of(index, &shading);
+            if before.as_ref().is_some_and(|kept| kept.good.is_some() && kept.good == good) {
+                self.lights[index] = before;
+                continue;
+            }
+            let wanted = match (asked.details[index], shading.of(index)) {
                 (Some(detail), _) => Wanted::new(inputs, cloud, shading.shades(index), detail),
                 (None, Some(of)) => {
                     let has = |kept: &Kept| kept.light.volume_in(of).is_some() && kept.light.bytes() <= spare;
                     if before.as_ref().is_some_and(has) {
-                        let (place, number) = (place(cloud), index);
-                        self.lights[index] = before.map(|kept| Kept { place, number, ..kept });
+                        let place = place(cloud);
+                        self.lights[index] = before.map(|kept| Kept { place, ..kept });
                         spare -= self.lights[index].as_ref().map_or(0, |kept| kept.light.bytes());
                         continue;
                     }
                     Wanted::shadow(inputs, of.clone())
                 }
                 (None, None) => {
-                    rest.extend(before.map(|kept| Kept { number: index, ..kept }));
+                    rest.extend(before);
                     continue;
                 }
             };
@@ -144,9 +222,10 @@ impl LightStore {
             self.lights[index] = if is_current || left == 0 {
                 self.waiting += u32::from(!is_current);
                 let place = place(cloud);
+                let good = good.filter(|_| is_current);
                 before.filter(|kept| kept.light.stands_in_for(&wanted)).map(|kept| Kept {
                     place,
-                    number: index,
+                    good,
                     ..kept
                 })
             } else {
@@ -165,18 +244,49 @@ impl LightStore {
                 let before = before.map(|kept| kept.light);
                 let redone = &mut self.redone;
                 let light = self.pass.prepare(encoder, inputs, media, wanted, before, alone, &others, redone);
-                left = if flush(encoder) { left - 1 } else { 0 };
-                Some(Kept { place: place(cloud), number: index, light, made: self.pictures })
+                left -= 1;
+                recorded += light.bytes();
+                if recorded >= ENOUGH {
+                    recorded = 0;
+                    left = if flush(encoder) { left } else { 0 };
+                }
+                Some(Kept { place: place(cloud), number: index, light, made: self.pictures, good })
             };
-            if let Some(kept) = &mut self.lights[index] {
-                let eye = eye_of(&frame.camera, frame.camera_position, cloud.origin);
-                self.pass.see(encoder, inputs, &mut kept.light, eye);
-            }
         }
         if self.waiting == 0 {
             self.ahead.clear();
         }
-        self.keep(frame, rest, allowance(quality, seen));
+        self.keep(frame, rest, asked.allowance);
+    }
+
+    /// Finds what of solved light goes to the eye, in clouds in view from which that has moved.
+    fn see(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        frame: &Frame,
+        in_view: &[bool],
+    ) {
+        let clouds = frame.clouds.iter().zip(&mut self.lights).zip(in_view).filter(|(_, seen)| **seen);
+        let lights = clouds.filter_map(|((cloud, kept), _)| {
+            Some((&mut kept.as_mut()?.light, eye_of(&frame.camera, frame.camera_position, cloud.origin)))
+        });
+        self.pass.see(encoder, inputs, lights);
+    }
+
+    /// The light kept for each cloud of a frame whose clouds are those of the last one.
+    fn found_again(&mut self, frame: &Frame) -> (Vec<Option<Kept>>, Vec<Kept>) {
+        let mut found = std::mem::take(&mut self.lights);
+        found.resize_with(frame.clouds.len(), || None);
+        let mut rest = Vec::new();
+        for kept in std::mem::take(&mut self.away) {
+            let same = frame.clouds.get(kept.number).is_some_and(|cloud| place(cloud) == kept.place);
+            match found.get_mut(kept.number) {
+                Some(empty @ None) if same => *empty = Some(kept),
+                _ => rest.push(kept),
+            }
+        }
+        (found, rest)
     }
 
     /// The light kept for each cloud of `frame`, and the light that is left. Clouds are known by
@@ -206,6 +316,9 @@ impl LightStore {
 
     /// Keeps light of clouds of the frame that are out of view, as long as all of it fits.
     fn keep(&mut self, frame: &Frame, mut rest: Vec<Kept>, most: u64) {
+        if rest.is_empty() {
+            return;
+        }
         let numbers: HashMap<_, _> = frame.clouds.iter().map(place).zip(0..).collect();
         rest.retain(|kept| numbers.contains_key(&kept.place));
         rest.sort_by_key(|kept| numbers[&kept.place]);

@@ -8,7 +8,10 @@ use wgpu::TextureView;
 
 use super::{boxes::LightBox, bricks::Bricks, inputs::Inputs};
 use crate::{
-    frame::{Shared, medium::Medium},
+    frame::{
+        Shared,
+        medium::{Medium, MediumKind},
+    },
     gpu::{self, ComputeProgram, TextureDesc},
     render::medium::Media,
 };
@@ -71,7 +74,7 @@ impl SunVolume {
 #[derive(Default)]
 pub(super) struct SunPass {
     /// By medium, with maps or without.
-    volumes: HashMap<(&'static str, bool), ComputeProgram>,
+    volumes: HashMap<(MediumKind, bool), ComputeProgram>,
     maps: Option<MapsPass>,
     /// Of the first cloud before another, and of those after it.
     shades: [Option<ComputeProgram>; 2],
@@ -94,10 +97,10 @@ impl SunPass {
         let volume = gpu::view(&volume(device, "sun volume", *voxels));
         let map_resolution = if mapped { resolution } else { 1 };
         let depths = map(device, "sun depths", map_resolution);
-        let role = media.role(medium);
-        let program = self.volumes.entry((role.1, mapped)).or_insert_with(|| {
+        let kind = media.kind(medium);
+        let program = self.volumes.entry((kind, mapped)).or_insert_with(|| {
             let overrides = [("MAPPED", f64::from(u8::from(mapped)))];
-            ComputeProgram::with_roles(device, "sun_maps", &[role], &overrides)
+            ComputeProgram::with_roles(device, "sun_maps", &[kind.role()], &overrides)
         });
         let bricks = Bricks::of(light_box, medium, *voxels);
         let uniform = gpu::uniform_buffer(device, "light box", light_box);

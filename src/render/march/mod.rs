@@ -2,6 +2,8 @@
 //! cloud can touch.
 
 mod counts;
+mod parts;
+mod shelves;
 mod tiles;
 mod variant;
 pub(super) mod voxels;
@@ -13,16 +15,18 @@ use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
 pub use counts::Counts;
+pub(super) use parts::Parts;
 #[cfg(test)]
 pub(crate) use tiles::Tile;
-pub(super) use tiles::{Cover, MANY};
+pub(super) use tiles::{Cover, MANY, Seen};
 
+use shelves::{Groups, Shelves};
 pub use variant::Variant;
 use variant::{pipeline, variant};
 
 use super::{
     SceneDepth, Settings, Transport,
-    light::{Binding, LightStore},
+    light::{Binding, CloudLight, LightStore},
     medium::Media,
     shadow::Shadows,
     sky::Sky,
@@ -30,9 +34,9 @@ use super::{
 use crate::{
     frame::{
         CameraUniform, CloudFrame, Frame, LitBy, Shared,
-        medium::{Species, SpeciesTextures},
+        medium::{MediumKind, Species, SpeciesTextures},
     },
-    gpu::{self, Pack, Place, Shader},
+    gpu::{self, Shader, Shelf},
     scene::MAX_LIGHTS,
 };
 
@@ -72,29 +76,41 @@ pub(super) struct View<'a> {
     pub adds: bool,
 }
 
-/// What the march knows of a cloud in one picture, in the buffer of all clouds.
-struct Packed {
-    uniform: Place,
-    tiles: Place,
-    candidates: Place,
-}
-
 /// A cloud ready to be drawn.
+#[derive(Clone)]
 pub(super) struct Draw {
     pipeline: wgpu::RenderPipeline,
-    /// By number: the march's own, the medium's, the light's where the model has any, the vertices'.
-    groups: Vec<(u32, BindGroup)>,
+    groups: Groups,
+    /// Where the cloud's numbers lie, bytes.
+    offset: u32,
+    medium: BindGroup,
+    /// Where the model has any.
+    light: Option<BindGroup>,
+    /// The first of its tiles among all.
+    first: u32,
     pub tiles: u32,
 }
 
 impl Draw {
-    /// Records one piece of it.
-    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, tiles: Range<u32>) {
-        pass.set_pipeline(&self.pipeline);
-        for (index, group) in &self.groups {
-            pass.set_bind_group(*index, group, &[]);
+    /// Records one piece of it after `before`, whose state the pass has: only what differs is set.
+    pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, tiles: Range<u32>, before: Option<&Self>) {
+        let same = |is: &dyn Fn(&Self) -> bool| before.is_some_and(is);
+        if !same(&|before| before.pipeline == self.pipeline) {
+            pass.set_pipeline(&self.pipeline);
         }
-        pass.draw(0..4, tiles);
+        pass.set_bind_group(0, &self.groups.own, &[self.offset]);
+        if !same(&|before| before.medium == self.medium) {
+            pass.set_bind_group(1, &self.medium, &[]);
+        }
+        if let Some(light) = &self.light
+            && !same(&|before| before.light.as_ref() == Some(light))
+        {
+            pass.set_bind_group(2, light, &[]);
+        }
+        if !same(&|before| before.groups.vertices == self.groups.vertices) {
+            pass.set_bind_group(3, &self.groups.vertices, &[]);
+        }
+        pass.draw(0..4, self.first + tiles.start..self.first + tiles.end);
     }
 }
 
@@ -102,8 +118,13 @@ impl Draw {
 pub(super) struct March {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    shaders: HashMap<(&'static str, Transport), Shader>,
+    shaders: HashMap<(MediumKind, Transport), Shader>,
     pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// What each call of a picture binds, in order.
+    shelves: Vec<Shelves>,
+    calls: usize,
+    /// How often what is bound was filled anew.
+    pub filled: u64,
     /// Tables of models of light.
     tables: HashMap<Transport, Vec<TextureView>>,
     /// Of the species of clouds drawn lately.
@@ -125,12 +146,20 @@ impl March {
             queue: queue.clone(),
             shaders: HashMap::new(),
             pipelines: HashMap::new(),
+            shelves: Vec::new(),
+            calls: 0,
+            filled: 0,
             tables: HashMap::new(),
             species: Vec::new(),
             linear: gpu::linear_clamp(device),
             no_depth: gpu::view(&gpu::texture(device, &NO_DEPTH)),
             dark: gpu::view(&gpu::half_texture(device, queue, "dark", [1; 3], &[Default::default()])),
         }
+    }
+
+    /// Begins another picture.
+    pub fn begin(&mut self) {
+        self.calls = 0;
     }
 
     /// Compiles what is missing and binds those `clouds`, by number, that have tiles, each with its number; those that
@@ -149,111 +178,83 @@ impl March {
         if !dark.is_empty() {
             tracing::debug!(clouds = ?dark, "not drawn before they have light");
         }
-        if seen.is_empty() {
-            return Vec::new();
+        let Some(&first) = seen.first() else { return Vec::new() };
+        let uniforms: Vec<_> = seen.iter().map(|&i| uniform(shared, &frame.clouds[i])).collect();
+        let covers: Vec<_> = seen.iter().map(|&i| &covers[i]).collect();
+        let kind = media.kind(&frame.clouds[first].medium);
+        // Group 0 is the same whatever fills the roles.
+        self.compiled(&variant(shared, first, kind), shared.format);
+        let layouts = &self.shaders[&(kind, shared.settings.transport)].groups;
+        let its_own = |group: usize| {
+            layouts.get(group).and_then(Option::as_ref).expect("the march declares groups 0 and 3")
+        };
+        if self.shelves.len() == self.calls {
+            self.shelves.push(Shelves::default());
         }
-        let mut pack = Pack::default();
-        let pack_cloud = |&i: &usize| Packed {
-            uniform: pack.add(&[uniform(shared, &frame.clouds[i])]),
-            tiles: pack.add(&covers[i].tiles),
-            candidates: pack.add(&covers[i].candidates),
-        };
-        let packed: Vec<_> = seen.iter().map(pack_cloud).collect();
-        let camera = frame.camera.jittered(shared.settings.quality.jitter);
-        let camera = gpu::uniform_buffer(&self.device, "camera", &camera);
-        let buffers = [&camera, &pack.buffer(&self.device, "clouds")];
-        let draw = |(&i, packed): (&usize, Packed)| {
+        let shelves = &mut self.shelves[self.calls];
+        self.calls += 1;
+        self.filled += 1;
+        let (firsts, buffers) = shelves.fill(&self.device, &self.queue, shared, &uniforms, &covers);
+        let layouts = [its_own(0), its_own(3)];
+        let (no_depth, linear) = (&self.no_depth, &self.linear);
+        let groups = shelves.groups(&self.device, shared, layouts, buffers, &seen, (no_depth, linear));
+        let draw = |(place, &i): (usize, &usize)| {
             let light = lights.get(i).expect("those without light were left out");
-            (i, self.draw_of(shared, i, buffers, packed, &covers[i], media, light))
+            let medium = &frame.clouds[i].medium;
+            let (pipeline, light) = self.lit(shared, i, media.kind(medium), light);
+            let (offset, medium) = (Shelf::offset(place), media.group(medium).clone());
+            let (first, tiles) = (firsts[place], covers[place].tiles.len() as u32);
+            (i, Draw { pipeline, groups: groups[place].clone(), offset, medium, light, first, tiles })
         };
-        seen.iter().zip(packed).map(draw).collect()
+        seen.iter().enumerate().map(draw).collect()
     }
 
-    #[allow(clippy::too_many_arguments, reason = "a cloud, where it is in the picture, and its light")]
-    fn draw_of(
+    /// The pipeline of a variant, compiled where it is not there.
+    fn compiled(&mut self, variant: &Variant, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+        if let Some(known) = self.pipelines.get(&(*variant, format)) {
+            return known.clone();
+        }
+        let key = (variant.medium, variant.transport);
+        let new = || Shader::new(&self.device, "march", &variant.roles());
+        let shader = self.shaders.entry(key).or_insert_with(new);
+        let made = pipeline(&self.device, shader, variant, format);
+        self.pipelines.insert((*variant, format), made.clone());
+        made
+    }
+
+    /// The pipeline of a cloud, and the group of its light where the model has any.
+    fn lit(
         &mut self,
         shared: &View<'_>,
         number: usize,
-        buffers: [&wgpu::Buffer; 2],
-        packed: Packed,
-        cover: &Cover,
-        media: &Media,
-        light: &mut super::light::CloudLight,
-    ) -> Draw {
+        kind: MediumKind,
+        light: &mut CloudLight,
+    ) -> (wgpu::RenderPipeline, Option<BindGroup>) {
         let cloud = &shared.frame.clouds[number];
-        let role = media.role(&cloud.medium);
-        let variant = variant(shared, number, role);
+        let variant = variant(shared, number, kind);
+        let pipeline = self.compiled(&variant, shared.format);
         let transport = variant.transport;
-        let (device, queue) = (&self.device, &self.queue);
-        let key = (role.1, transport);
-        let shader =
-            self.shaders.entry(key).or_insert_with(|| Shader::new(device, "march", &variant.roles()));
-        let pipeline = self
-            .pipelines
-            .entry((variant, shared.format))
-            .or_insert_with(|| pipeline(device, shader, &variant, shared.format))
-            .clone();
-        let layouts = &self.shaders[&key].groups;
-        let layout = |group: usize| layouts.get(group).and_then(Option::as_ref);
-        let its_own = |group| layout(group).expect("the march declares groups 0 and 3");
-        let mut groups = vec![
-            (0, self.own_group(shared, number, its_own(0), buffers, packed)),
-            (1, media.group(&cloud.medium).clone()),
-            (3, self.vertex_group(shared, its_own(3))),
-        ];
-        if let Some(layout) = layout(2) {
-            let tables = self.tables.entry(transport).or_insert_with(|| {
-                (transport.0.tables)(device, queue).expect("a test decodes all embedded tables")
-            });
-            let place = species_place(&mut self.species, &cloud.medium.species, device, queue);
-            let binding = Binding {
-                device,
-                transport,
-                layout,
-                species: &self.species[place].1,
-                tables,
-                linear: &self.linear,
-                dark: &self.dark,
-            };
-            groups.push((2, light.group(&binding, cloud).clone()));
+        if let Some(known) = light.bound(transport) {
+            return (pipeline, Some(known.clone()));
         }
-        Draw { pipeline, groups, tiles: cover.tiles.len() as u32 }
-    }
-
-    /// Group 3: what light reaches the cloud's base and top.
-    fn vertex_group(&self, shared: &View<'_>, layout: &wgpu::BindGroupLayout) -> BindGroup {
-        let texture = |view| Some(wgpu::BindingResource::TextureView(view));
-        let resources = [shared.sky.transmittance(), shared.sky.sky_light()].map(texture);
-        gpu::bind_group(&self.device, "lights of the march", layout, &resources)
-    }
-
-    /// Group 0.
-    fn own_group(
-        &self,
-        shared: &View<'_>,
-        number: usize,
-        layout: &wgpu::BindGroupLayout,
-        [camera, clouds]: [&wgpu::Buffer; 2],
-        packed: Packed,
-    ) -> BindGroup {
-        let sky = shared.sky;
-        let texture = |view| Some(wgpu::BindingResource::TextureView(view));
-        let [shade_map, shade] = shared.shadows.on(number);
-        let resources = [
-            Some(camera.as_entire_binding()),
-            Some(packed.uniform.binding(clouds)),
-            Some(packed.tiles.binding(clouds)),
-            Some(packed.candidates.binding(clouds)),
-            Some(sky.atmosphere().as_entire_binding()),
-            Some(shared.counters.buffer().as_entire_binding()),
-            Some(wgpu::BindingResource::Sampler(&self.linear)),
-            texture(sky.aerial()),
-            texture(shared.depth.map_or(&self.no_depth, |depth| depth.view)),
-            texture(shared.shadows.air()),
-            Some(shade_map),
-            Some(shade),
-        ];
-        gpu::bind_group(&self.device, "march", layout, &resources)
+        let Some(layout) = self.shaders[&(kind, transport)].groups.get(2).and_then(Option::as_ref) else {
+            return (pipeline, None);
+        };
+        let (device, queue) = (&self.device, &self.queue);
+        let tables = self.tables.entry(transport).or_insert_with(|| {
+            (transport.0.tables)(device, queue).expect("a test decodes all embedded tables")
+        });
+        let place = species_place(&mut self.species, &cloud.medium.species, device, queue);
+        let binding = Binding {
+            device,
+            transport,
+            layout,
+            species: &self.species[place].1,
+            tables,
+            linear: &self.linear,
+            dark: &self.dark,
+        };
+        (pipeline, Some(light.group(&binding, cloud).clone()))
     }
 
     /// What has been compiled so far.

@@ -2,19 +2,18 @@
 //! see: quarters of the picture are split until they are small, and dropped as soon as
 //! no ellipsoid reaches into them. No pixel outside the tiles is launched.
 
+use std::ops::Range;
+
 use glam::{UVec2, Vec2, Vec3, Vec3A};
 
+use super::parts::{Part, Parts, SMALL, SMALLEST, TILE};
 use crate::frame::{
     CameraUniform,
     medium::{EllipsoidUniform, LayerShape},
 };
 
-const TILE: u32 = 16;
-/// Quarters of a tile are tiles of their own where one of them is empty, and quarters of those.
-const SMALL: u32 = TILE / 2;
 /// Where a tile sees more ellipsoids than these, which its rays ask, it is cut down to [`SMALLEST`].
 pub(in crate::render) const MANY: usize = 64;
-const SMALLEST: u32 = 4;
 
 /// `Tile` of `shaders/march.wgsl`.
 #[repr(C)]
@@ -33,26 +32,27 @@ pub struct Cover {
     pub(crate) candidates: Vec<u32>,
 }
 
+/// What a picture is covered with: a cloud whose frame has the eye at `eye`.
+pub(in crate::render) struct Seen<'a> {
+    pub eye: Vec3,
+    pub ellipsoids: &'a [EllipsoidUniform],
+    /// Half the extent of a box around its frame's origin that holds them all, m, where one is known.
+    pub half: Option<Vec3>,
+    /// Tiles that see more ellipsoids than these are the smallest.
+    pub many: usize,
+}
+
 impl Cover {
-    /// Covers the picture of `camera`, which is at `eye` in the cloud's frame. Tiles that see more than
-    /// `many` ellipsoids are the smallest.
-    pub fn new(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform], many: usize) -> Self {
+    /// Covers the picture that has these `parts`.
+    pub fn new(parts: &Parts, seen: &Seen<'_>) -> Self {
         let mut cover = Self::default();
-        let size = UVec2::new(camera.size[0] as u32, camera.size[1] as u32);
-        // A wedge between four planes bounds a part of an equirectangular picture only
-        // where it is much narrower than a half-turn.
-        let start = if camera.projection == CameraUniform::EQUIRECTANGULAR { size / 16 + 1 } else { size };
-        let all: Vec<u32> = (0..ellipsoids.len() as u32).collect();
-        for y in (0..size.y).step_by(start.y as usize) {
-            for x in (0..size.x).step_by(start.x as usize) {
-                let corner = UVec2::new(x, y);
-                cover.split(
-                    &View { camera, eye, ellipsoids, many },
-                    corner,
-                    (corner + start).min(size),
-                    &all,
-                );
-            }
+        let mut near: Vec<u32> = (0..seen.ellipsoids.len() as u32).collect();
+        let all = 0..near.len();
+        let half = seen.half.map(|half| widened(half, seen.eye));
+        let most = seen.ellipsoids.iter().map(|e| 1.001 * e.largest_radius()).collect();
+        let view = View { camera: &parts.camera, seen, half, most };
+        for root in &parts.roots {
+            cover.split(&view, root, &mut near, all.clone());
         }
         cover
     }
@@ -67,64 +67,98 @@ impl Cover {
                 let min = UVec2::new(x, y);
                 let max = (min + TILE).min(size);
                 if may_meet(camera, eye, layer, bend, min, max) {
-                    cover.push(min, max, Vec::new());
+                    cover.push(min, max, &[]);
                 }
             }
         }
         cover
     }
 
-    fn split(&mut self, view: &View<'_>, min: UVec2, max: UVec2, parents: &[u32]) {
-        if min.cmpge(max).any() {
-            return;
-        }
-        let near = view.seen(min, max, parents);
-        if near.is_empty() {
-            return;
-        }
-        let size = max - min;
-        let widest = size.max_element();
-        if widest > TILE || (widest > SMALLEST && near.len() > view.many) {
-            for (a, b) in quarters(min, max, if widest > TILE { TILE } else { SMALLEST }) {
-                self.split(view, a, b, &near);
+    /// Adds what of `part` sees any of the `parents`, a range of the lists in `near`.
+    fn split(&mut self, view: &View<'_>, part: &Part, near: &mut Vec<u32>, parents: Range<usize>) {
+        let seen = view.seen(part, near, parents);
+        if !seen.is_empty() {
+            let widest = part.widest();
+            if widest > TILE || (widest > SMALLEST && seen.len() > view.seen.many) {
+                let step = if widest > TILE { TILE } else { SMALLEST };
+                part.with_quarters(view.camera, step, |quarters| {
+                    for quarter in quarters {
+                        self.split(view, quarter, near, seen.clone());
+                    }
+                });
+            } else {
+                self.trim(view, part, near, seen.clone(), SMALL);
             }
-            return;
         }
-        self.trim(view, min, max, near, SMALL);
+        near.truncate(seen.start);
     }
 
-    /// Adds a tile, or its quarters where one of them is empty.
-    fn trim(&mut self, view: &View<'_>, min: UVec2, max: UVec2, near: Vec<u32>, step: u32) {
-        if near.is_empty() {
+    /// Adds a tile that sees `seen`, or its quarters where one of them is empty.
+    fn trim(&mut self, view: &View<'_>, part: &Part, near: &mut Vec<u32>, seen: Range<usize>, step: u32) {
+        if seen.is_empty() {
             return;
         }
         if step < SMALLEST {
-            return self.push(min, max, near);
+            return self.push(part.min, part.max, &near[seen]);
         }
-        let smaller = quarters(min, max, step).map(|(a, b)| (a, b, view.seen(a, b, &near)));
-        if smaller.iter().all(|(_, _, seen)| !seen.is_empty()) {
-            self.push(min, max, near);
-        } else {
-            smaller.into_iter().for_each(|(a, b, seen)| self.trim(view, a, b, seen, step / 2));
-        }
+        let length = near.len();
+        part.with_quarters(view.camera, step, |quarters| {
+            let lists = quarters.each_ref().map(|quarter| view.seen(quarter, near, seen.clone()));
+            if lists.iter().all(|list| !list.is_empty()) {
+                self.push(part.min, part.max, &near[seen.clone()]);
+            } else {
+                for (quarter, list) in quarters.iter().zip(lists) {
+                    self.trim(view, quarter, near, list, step / 2);
+                }
+            }
+        });
+        near.truncate(length);
     }
 
-    fn push(&mut self, min: UVec2, max: UVec2, near: Vec<u32>) {
+    fn push(&mut self, min: UVec2, max: UVec2, near: &[u32]) {
         self.tiles.push(Tile {
             area: [min.x, min.y, max.x, max.y],
             first: self.candidates.len() as u32,
             count: near.len() as u32,
             padding: [0; 2],
         });
-        self.candidates.extend(near);
+        self.candidates.extend_from_slice(near);
     }
 }
 
 struct View<'a> {
     camera: &'a CameraUniform,
-    eye: Vec3,
-    ellipsoids: &'a [EllipsoidUniform],
-    many: usize,
+    seen: &'a Seen<'a>,
+    half: Option<Vec3A>,
+    /// No ellipsoid reaches farther from its middle, m.
+    most: Vec<f32>,
+}
+
+/// A box so much larger that no rounding of places as far from the eye puts an ellipsoid of it outside.
+fn widened(half: Vec3, eye: Vec3) -> Vec3A {
+    Vec3A::from(1.0001 * half) + 1e-3 + 4e-6 * eye.length()
+}
+
+impl View<'_> {
+    /// Those of `parents` that a part of the picture may see, at the end of `near`; none where it is empty.
+    fn seen(&self, part: &Part, near: &mut Vec<u32>, parents: Range<usize>) -> Range<usize> {
+        let first = near.len();
+        let eye = Vec3A::from(self.seen.eye);
+        let in_box = |half: Vec3A| {
+            part.reaches(eye, Vec3A::ZERO, 1.001 * half.length(), |normal| half.dot(normal.abs()))
+        };
+        if !part.is_empty() && self.half.is_none_or(in_box) {
+            for place in parents {
+                let index = near[place];
+                let e = &self.seen.ellipsoids[index as usize];
+                let most = self.most[index as usize];
+                if part.reaches(eye, e.center.into(), most, |normal| e.support(normal.into())) {
+                    near.push(index);
+                }
+            }
+        }
+        first..near.len()
+    }
 }
 
 /// Whether a rectangle of the picture may see a layer. What it sees is bounded by horizons: of slopes, all above one
@@ -148,86 +182,6 @@ fn may_meet(
     [low, high].into_iter().any(|slope| layer.is_met(eye.y, slope.clamp(-1.0, 1.0), bend))
 }
 
-/// Everything that a rectangle of the picture can see: inside four planes and in front.
-struct Wedge {
-    /// Inward normals with a point of each plane.
-    planes: [(Vec3A, Vec3A); 4],
-    front: Option<(Vec3A, Vec3A)>,
-    everything: bool,
-}
-
-/// A rectangle in four, at multiples of `step` from its corner; some may be empty.
-fn quarters(min: UVec2, max: UVec2, step: u32) -> [(UVec2, UVec2); 4] {
-    let size = max - min;
-    let half = UVec2::new((size.x / 2).next_multiple_of(step), (size.y / 2).next_multiple_of(step));
-    let middle = min + half.min(size);
-    [
-        (min, middle),
-        (UVec2::new(middle.x, min.y), UVec2::new(max.x, middle.y)),
-        (UVec2::new(min.x, middle.y), UVec2::new(middle.x, max.y)),
-        (middle, max),
-    ]
-}
-
-impl View<'_> {
-    /// Those of `parents` that a rectangle of the picture may see; none where it is empty.
-    fn seen(&self, min: UVec2, max: UVec2, parents: &[u32]) -> Vec<u32> {
-        if min.cmpge(max).any() {
-            return Vec::new();
-        }
-        let wedge = self.wedge(min, max);
-        parents.iter().copied().filter(|&i| wedge.reaches(&self.ellipsoids[i as usize])).collect()
-    }
-
-    fn wedge(&self, min: UVec2, max: UVec2) -> Wedge {
-        let corners = [min, UVec2::new(max.x, min.y), max, UVec2::new(min.x, max.y)]
-            .map(|corner| self.camera.ray(corner.as_vec2() / Vec2::from(self.camera.size)));
-        let eye = Vec3A::from(self.eye);
-        let middle: Vec3A = corners.iter().map(|(_, direction)| *direction).sum();
-        let mut everything = false;
-        let planes = std::array::from_fn(|i| {
-            let (a, along) = corners[i];
-            let (b, next) = corners[(i + 1) % 4];
-            let side = if self.camera.projection == CameraUniform::ORTHOGRAPHIC { b - a } else { next };
-            let normal = along.cross(side);
-            everything |= normal.length_squared() < 1e-14;
-            let inward = normal * normal.dot(middle + (corners[(i + 2) % 4].0 - a)).signum();
-            (inward.normalize_or_zero(), eye + a)
-        });
-        // Equirectangular wedges bulge beyond their corner planes towards the poles.
-        let curved = self.camera.projection == CameraUniform::EQUIRECTANGULAR;
-        let planes = if curved {
-            widen(planes, middle.normalize_or_zero(), max - min, self.camera.size)
-        } else {
-            planes
-        };
-        // Of lines of sight that begin on a plane they don't cross at right angles, the hindmost.
-        let front = middle.try_normalize().map(|axis| {
-            let start = corners
-                .map(|(start, _)| start)
-                .into_iter()
-                .min_by(|a, b| a.dot(axis).total_cmp(&b.dot(axis)));
-            (axis, eye + start.unwrap_or_default())
-        });
-        Wedge { planes, front: front.filter(|_| !curved), everything }
-    }
-}
-
-/// Tilts planes outwards by the angle that the tile spans: more than it can bulge.
-fn widen(planes: [(Vec3A, Vec3A); 4], axis: Vec3A, size: UVec2, picture: [f32; 2]) -> [(Vec3A, Vec3A); 4] {
-    let angle = std::f32::consts::PI * (size.x as f32 / picture[0] + size.y as f32 / picture[1]);
-    planes.map(|(normal, point)| ((normal + 0.5 * angle * axis).normalize_or_zero(), point))
-}
-
-impl Wedge {
-    fn reaches(&self, e: &EllipsoidUniform) -> bool {
-        let beyond = |&(normal, point): &(Vec3A, Vec3A)| {
-            (Vec3A::from(e.center) - point).dot(normal) + e.support(normal.into()) < 0.0
-        };
-        self.everything || !(self.planes.iter().any(beyond) || self.front.iter().any(beyond))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,6 +199,15 @@ mod tests {
                 EllipsoidUniform::new(&cloud, &e, DVec3::ZERO, 10.0)
             })
             .to_vec()
+    }
+
+    fn covered(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform]) -> Cover {
+        let (low, high) = EllipsoidUniform::bounds(ellipsoids);
+        let parts = Parts::new(camera);
+        let cover = |half| Cover::new(&parts, &Seen { eye, ellipsoids, half, many: MANY });
+        let known = cover(Some(low.abs().max(high)));
+        assert_eq!(known, cover(None), "a box that holds all takes nothing away");
+        known
     }
 
     fn hit(e: &EllipsoidUniform, (origin, direction): (Vec3A, Vec3A), eye: Vec3) -> bool {
@@ -305,7 +268,7 @@ mod tests {
     /// Each pixel is in one tile at most, which lists what its ray meets.
     fn assert_covered(camera: &CameraUniform, eye: Vec3, ellipsoids: &[EllipsoidUniform], said: &str) {
         let size = camera.size.map(|n| n as u32);
-        let cover = Cover::new(camera, eye, ellipsoids, MANY);
+        let cover = covered(camera, eye, ellipsoids);
         for (x, y) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))) {
             let uv = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / Vec2::from(camera.size);
             let ray = camera.ray(uv);
@@ -324,7 +287,7 @@ mod tests {
         let camera =
             Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
-        let cover = Cover::new(&camera, eye.as_vec3(), &ellipsoids(), MANY);
+        let cover = covered(&camera, eye.as_vec3(), &ellipsoids());
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();
         assert!((100..8000).contains(&pixels), "{pixels} of two million");
     }

@@ -2,7 +2,7 @@
 
 use super::{MOST_NODES, View};
 use crate::{
-    frame::LitBy,
+    frame::{LitBy, medium::MediumKind},
     gpu::{ADDS, Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
@@ -14,7 +14,7 @@ pub struct Variant {
     pub transport: Transport,
     /// The entry function.
     pub entry: &'static str,
-    medium: Role<'static>,
+    pub(super) medium: MediumKind,
     counting: bool,
     atmosphere: bool,
     aerial: bool,
@@ -37,7 +37,7 @@ pub struct Variant {
 impl Variant {
     /// What fills the shader's roles.
     pub fn roles(&self) -> Vec<Role<'static>> {
-        [&[self.medium], self.transport.roles()].concat()
+        [&[self.medium.role()], self.transport.roles()].concat()
     }
 
     /// Flags and numbers.
@@ -66,7 +66,7 @@ impl Variant {
 }
 
 /// That of cloud `number` in a picture.
-pub(super) fn variant(shared: &View<'_>, number: usize, medium: Role<'static>) -> Variant {
+pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind) -> Variant {
     let cloud = &shared.frame.clouds[number];
     let settings = shared.settings;
     let species = &cloud.medium.species;

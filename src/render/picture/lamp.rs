@@ -6,7 +6,7 @@ use crate::{
     gpu::Timing,
     render::{
         SceneDepth, Settings,
-        light::{Inputs, LightStore, Presence, occluders},
+        light::{Inputs, LightStore, Occluders, Presence},
         march::{Counters, Cover, Draw, March},
         medium::Media,
         shadow::{ShadowInputs, Shadows, may_shade},
@@ -26,7 +26,7 @@ pub(super) struct Lamp {
     pub shadows: Shadows,
     presence: Vec<Presence>,
     /// Which clouds stand before each.
-    before: Vec<Vec<u32>>,
+    before: Occluders,
     /// Tables and maps that were made so far.
     pub redone: u32,
     /// Pictures since it shone last.
@@ -61,7 +61,7 @@ impl Lamp {
             sky: Sky::new(device),
             shadows: Shadows::new(device),
             presence: Vec::new(),
-            before: Vec::new(),
+            before: Occluders::default(),
             redone: 0,
             dark_for: 0,
         }
@@ -94,17 +94,18 @@ impl Lamp {
             }
         };
         self.presence = frame.clouds.iter().zip(covers).map(presence).collect();
-        self.before.clear();
         if settings.transport.0.needs.sun && !is_flash {
-            self.before = occluders(&frame.clouds, -frame.sun.to_sun);
+            self.before.find(frame);
             self.ask_for_shades();
+        } else {
+            self.before.clear();
         }
         self.presence.iter().map(|here| *here != Presence::Away).collect()
     }
 
     /// Clouds that shade those in view are asked for their shadow at the least.
     fn ask_for_shades(&mut self) {
-        for (shaded, before) in self.before.iter().enumerate() {
+        for (shaded, before) in self.before.lists().iter().enumerate() {
             if self.presence[shaded] != Presence::Seen {
                 continue;
             }
@@ -144,7 +145,7 @@ impl Lamp {
             sky: own,
             timing: room.timing,
         };
-        let (presence, before, most) = (&self.presence, &self.before, *lights_at_once);
+        let (presence, before, most) = (&self.presence, self.before.lists(), *lights_at_once);
         self.clouds.prepare(encoder, &inputs, room.media, frame, quality, presence, before, most, flush);
         self.prepare_shadows(room, encoder, frame);
     }
@@ -160,15 +161,14 @@ impl Lamp {
             timing: room.timing,
         };
         let (on_ground, on_layers) = (is_shaded(frame, shadows), may_shade_layers(frame, shadows));
-        let casters = if on_ground || on_layers { self.clouds.casters(frame) } else { Vec::new() };
+        let casters = self.clouds.casters();
         let texels = room.settings.quality.shadow_texels;
         if on_layers {
-            self.redone += self.shadows.prepare_on_layers(&inputs, encoder, &casters, texels / 2);
+            self.redone += self.shadows.prepare_on_layers(&inputs, encoder, casters, texels / 2);
         } else {
             self.shadows.none_on_layers();
         }
         if on_ground {
-            let casters = casters.into_iter().map(|(_, caster)| caster).collect();
             self.redone += self.shadows.prepare(&inputs, encoder, casters, texels);
         } else {
             self.shadows.none();

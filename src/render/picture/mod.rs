@@ -6,22 +6,21 @@ mod lamp;
 mod meter;
 mod pieces;
 mod pixels;
+mod prepare;
 mod resolve;
 mod target;
 
-use std::collections::HashMap;
-
-use rayon::prelude::*;
+use std::{collections::HashMap, sync::Arc};
 
 use super::{
     Counts, Quality, Settings, Transport,
-    march::{Counters, Cover, Draw, MANY, March, Variant, View},
+    march::{Counters, Draw, March, Variant, View},
     medium::Media,
     shadow::SunMap,
 };
 use crate::{
     Result,
-    frame::{CloudFrame, Frame, LitBy},
+    frame::{Frame, LitBy},
     gpu::{self, Gpu, TextureDesc, Timing, view},
     scene::{MAX_LIGHTS, Tone},
 };
@@ -33,6 +32,7 @@ use lamp::{Lamp, Room, Way};
 pub use meter::metered_alone;
 pub use pieces::Pieces;
 pub use pixels::Picture;
+use prepare::{Covers, Drawn, Prepared};
 pub use resolve::{HeatMap, Resolve, Shown};
 #[cfg(test)]
 pub(crate) use resolve::{ResolveUniform, uniform as resolve_uniform};
@@ -49,7 +49,12 @@ pub struct Renderer {
     /// Times the passes where the adapter can.
     pub timing: Option<Timing>,
     media: Media,
-    covers: Vec<Cover>,
+    covers: Covers,
+    /// What was last prepared, and drawn.
+    prepared: Option<Prepared>,
+    drawn: Option<Drawn>,
+    /// Where it was drawn into whole, and whether with the sky.
+    shown: Option<(wgpu::TextureView, bool)>,
     sun: Lamp,
     /// Lights beside it that shine, by their number in the scene.
     further: [Option<Lamp>; MAX_LIGHTS],
@@ -57,9 +62,6 @@ pub struct Renderer {
     compose: Option<(wgpu::TextureFormat, Compose)>,
     counters: Counters,
 }
-
-/// Pictures for which a light that does not shine keeps what it has.
-const FLICKER: u32 = 120;
 
 /// May submit what was recorded so far; says whether to go on.
 type Flush<'a> = &'a mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool;
@@ -77,7 +79,10 @@ impl Renderer {
             settings: Settings::default(),
             timing: None,
             media: Media::new(device, queue),
-            covers: Vec::new(),
+            covers: Covers::default(),
+            prepared: None,
+            drawn: None,
+            shown: None,
             sun: Lamp::new(device),
             further: Default::default(),
             march: March::new(device, queue),
@@ -92,6 +97,7 @@ impl Renderer {
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, target: &Target<'_>) {
         let mut pieces = self.begin_pieces(encoder, frame, target);
         self.draw_pieces(encoder, &mut pieces, u32::MAX);
+        self.shown = Some((target.color.clone(), target.sky));
     }
 
     /// Records the light of the clouds of `frame` alone, of [`Settings::lights_at_once`] at most: a
@@ -238,88 +244,6 @@ impl Renderer {
         [&self.sun].into_iter().chain(self.further.iter().flatten())
     }
 
-    fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame, flush: Flush<'_>) {
-        if self.settings.counting {
-            self.counters.clear(encoder);
-        }
-        self.media.begin(self.settings.bake_from);
-        self.media.plan(frame.clouds.iter().map(|cloud| &*cloud.medium));
-        self.covers = self.found(frame);
-        let further = frame.lit_apart();
-        self.keep_lamps(&further);
-        self.prepare_media(encoder, frame, &further);
-        let room = Room {
-            device: &self.device,
-            queue: &self.queue,
-            settings: &self.settings,
-            timing: self.timing.as_ref(),
-            media: &self.media,
-            covers: &self.covers,
-        };
-        let for_sun = self.settings.of_sun(frame);
-        self.sun.prepare_sky(&room, encoder, frame);
-        self.sun.prepare(&Room { settings: &for_sun, ..room }, encoder, frame, None, flush);
-        for (number, frame) in &further {
-            let Some(lamp) = &mut self.further[*number] else { continue };
-            let above = frame.by == LitBy::Sky;
-            if above {
-                lamp.prepare_sky(&room, encoder, frame);
-            }
-            lamp.prepare(&room, encoder, frame, (!above).then_some(&self.sun.sky), flush);
-        }
-    }
-
-    /// One for each light beside the sun that shines; what others held is given back after a while, for some flicker.
-    fn keep_lamps(&mut self, further: &[(usize, Frame)]) {
-        for (number, lamp) in self.further.iter_mut().enumerate() {
-            if further.iter().any(|(shining, _)| *shining == number) {
-                lamp.get_or_insert_with(|| Lamp::new(&self.device)).dark_for = 0;
-            } else if lamp.as_mut().is_some_and(|lamp| lamp.stays_dark() > FLICKER) {
-                *lamp = None;
-            }
-        }
-    }
-
-    /// Where the clouds are in the picture.
-    fn found(&self, frame: &Frame) -> Vec<Cover> {
-        // Told before: what is of the device may not go from thread to thread in a browser.
-        let baked: Vec<_> = frame.clouds.iter().map(|cloud| self.media.is_baked(&cloud.medium)).collect();
-        let cover = |(cloud, &baked): (&CloudFrame, &bool)| {
-            let eye = (frame.camera_position - cloud.origin).as_vec3();
-            if let Some(layer) = &cloud.medium.layer {
-                let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
-                return Cover::of_layer(&frame.camera, eye, layer, bend);
-            }
-            // The index of a volume tells rays where something is.
-            let baked = baked || cloud.medium.volume.is_some();
-            let many = if baked { usize::MAX } else { MANY };
-            let mut cover = Cover::new(&frame.camera, eye, &cloud.medium.ellipsoids, many);
-            if baked {
-                cover.candidates.clear();
-            }
-            cover
-        };
-        frame.clouds.par_iter().zip(&baked).map(cover).collect()
-    }
-
-    /// Bakes what is seen or casts a shadow in any light.
-    fn prepare_media(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        frame: &Frame,
-        further: &[(usize, Frame)],
-    ) {
-        let mut wanted = self.sun.find(frame, &self.settings, &self.covers);
-        for (number, frame) in further {
-            let Some(lamp) = &mut self.further[*number] else { continue };
-            let own = lamp.find(frame, &self.settings, &self.covers);
-            wanted.iter_mut().zip(own).for_each(|(wanted, own)| *wanted |= own);
-        }
-        for (cloud, _) in frame.clouds.iter().zip(wanted).filter(|(_, wanted)| *wanted) {
-            self.media.prepare(encoder, &cloud.medium);
-        }
-    }
-
     /// The sky in all lights.
     fn draw_sky(
         &mut self,
@@ -337,21 +261,22 @@ impl Renderer {
         }
     }
 
-    /// The clouds in the picture in all lights, far ones first.
-    fn draws(
-        &mut self,
-        frame: &Frame,
-        depth: Option<&SceneDepth<'_>>,
-        entry: &'static str,
-        format: wgpu::TextureFormat,
-    ) -> Vec<Draw> {
-        let way = Way { depth, entry, format, adds: false };
+    /// The clouds in the picture in all lights, far ones first: those of the last picture where they are the same.
+    fn draws(&mut self, frame: &Frame, way: Way<'_>) -> Arc<[Draw]> {
+        let wanted = (self.march.filled, way.entry, way.format);
+        if let Some(drawn) = self.drawn.as_ref().filter(|drawn| way.depth.is_none() && drawn.by == wanted) {
+            return drawn.draws.clone();
+        }
         let mut draws = self.draws_of(frame, None, way);
         for (number, frame) in frame.lit_apart() {
             let own = self.draws_of(&frame, Some(number), Way { adds: true, ..way });
             draws = each_over_its_own(draws, own);
         }
-        pieces::in_order(draws)
+        let draws: Arc<[Draw]> = pieces::in_order(draws);
+        // With a caller's depth other distances are told.
+        let by = (self.march.filled, way.entry, way.format);
+        self.drawn = way.depth.is_none().then(|| Drawn { by, draws: draws.clone() });
+        draws
     }
 
     /// Clouds in a light that not all of them have, among the others, which are dark and stand before some.
@@ -382,7 +307,7 @@ impl Renderer {
             settings,
             timing: self.timing.as_ref(),
             media: &self.media,
-            covers: &self.covers,
+            covers: self.covers.all(),
         };
         let march = (&mut self.march, &self.counters);
         let Some(number) = number else { return self.sun.draws(&room, march, frame, None, way) };

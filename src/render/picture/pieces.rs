@@ -1,6 +1,8 @@
 //! Pictures that are drawn over several of the caller's frames: an editor whose window
 //! must stay alive asks for a few tiles at a time.
 
+use std::sync::Arc;
+
 use wgpu::TextureView;
 
 use super::{Draw, Flush, HDR, Layers, LightLayers, Renderer, Target, Way, clear, view};
@@ -27,24 +29,24 @@ pub struct Pieces {
 
 /// Clouds into their targets.
 struct Stage {
-    draws: Vec<Draw>,
+    draws: Arc<[Draw]>,
     targets: Vec<TextureView>,
 }
 
 impl Stage {
-    fn new(draws: Vec<Draw>, targets: &[&TextureView]) -> Self {
+    fn new(draws: Arc<[Draw]>, targets: &[&TextureView]) -> Self {
         Self { draws, targets: targets.iter().map(|&view| view.clone()).collect() }
     }
 }
 
 /// Without the numbers of the clouds.
-pub(super) fn in_order(draws: Vec<(usize, Draw)>) -> Vec<Draw> {
+pub(super) fn in_order(draws: Vec<(usize, Draw)>) -> Arc<[Draw]> {
     draws.into_iter().map(|(_, draw)| draw).collect()
 }
 
 impl Pieces {
     fn new(stages: Vec<Stage>) -> Self {
-        let total = stages.iter().flat_map(|stage| &stage.draws).map(|draw| draw.tiles).sum();
+        let total = stages.iter().flat_map(|stage| stage.draws.iter()).map(|draw| draw.tiles).sum();
         Self { stages, stage: 0, draw: 0, tile: 0, done: 0, total }
     }
 
@@ -88,7 +90,8 @@ impl Renderer {
         if target.sky {
             self.draw_sky(encoder, frame, target.color, self.format);
         }
-        let draws = self.draws(frame, target.depth.as_ref(), "beauty", self.format);
+        let way = Way { depth: target.depth.as_ref(), entry: "beauty", format: self.format, adds: false };
+        let draws = self.draws(frame, way);
         Pieces::new(vec![Stage::new(draws, &[target.color])])
     }
 
@@ -165,7 +168,7 @@ impl Renderer {
         self.prepare(encoder, frame, &mut |_| true);
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
-        let draws = self.draws(frame, None, "cost", HDR);
+        let draws = self.draws(frame, Way { depth: None, entry: "cost", format: HDR, adds: false });
         let work = Stage::new(draws, &[&view(&cost)]);
         (cost, Pieces::new(vec![work]))
     }
@@ -177,11 +180,12 @@ impl Renderer {
             && let Some(stage) = pieces.stages.get(pieces.stage)
         {
             let mut pass = self.clouds_pass(encoder, &stage.targets);
+            let mut before = None;
             while left > 0
                 && let Some(draw) = stage.draws.get(pieces.draw)
             {
                 let drawn = left.min(draw.tiles - pieces.tile);
-                draw.record(&mut pass, pieces.tile..pieces.tile + drawn);
+                draw.record(&mut pass, pieces.tile..pieces.tile + drawn, before.replace(draw));
                 left -= drawn;
                 pieces.done += drawn;
                 pieces.tile += drawn;

@@ -9,6 +9,8 @@ use crate::frame::{AERIAL_REACH, CameraUniform, CloudFrame, Frame};
 /// A cloud's sunlight: the volume of its optical depth, in a box along the beam.
 #[derive(Clone, PartialEq)]
 pub(in crate::render) struct Caster {
+    /// Its number among the clouds of the frame.
+    pub number: usize,
     /// Origin of the cloud's frame in the world, m.
     pub origin: DVec3,
     pub light_box: LightBox,

@@ -39,8 +39,8 @@ impl Map {
     }
 
     /// Its numbers, and the share of light that it holds, in the order in which shaders bind them.
-    pub fn bindings(&self) -> [wgpu::BindingResource<'_>; 2] {
-        [self.uniform.as_entire_binding(), wgpu::BindingResource::TextureView(&self.lit)]
+    pub fn bindings(&self) -> (&wgpu::Buffer, &TextureView) {
+        (&self.uniform, &self.lit)
     }
 
     /// Brings it up to date for what `casters` there are, with `texels` along an edge; the air's shadow ends at `reach`, m.
@@ -50,19 +50,19 @@ impl Map {
         splat: &mut Option<Splat>,
         inputs: &ShadowInputs<'_>,
         encoder: &mut wgpu::CommandEncoder,
-        casters: Vec<Caster>,
+        casters: &[Caster],
         texels: u32,
         reach: f64,
     ) -> Option<bool> {
         let ShadowInputs { device, frame, .. } = *inputs;
-        let layout = Layout::new(&casters, frame.sun.to_sun, frame.camera_position, texels)?;
+        let layout = Layout::new(casters, frame.sun.to_sun, frame.camera_position, texels)?;
         let uniform = layout.uniform(frame.camera_position, frame.sun.radius, reach);
         inputs.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let is_made = self.made.as_ref().is_some_and(|made| made.layout == layout && made.casters == casters);
         if !is_made {
             let splat = splat.get_or_insert_with(|| Splat::new(device));
-            self.lit = splat.draw(inputs, encoder, &layout, &uniform, &casters, &mut self.texture);
-            self.made = Some(Made { layout, casters });
+            self.lit = splat.draw(inputs, encoder, &layout, &uniform, casters, &mut self.texture);
+            self.made = Some(Made { layout, casters: casters.to_vec() });
             self.number += 1;
         }
         Some(!is_made)

@@ -87,7 +87,7 @@ impl Shadows {
     }
 
     /// The map's numbers, and the share of light that it holds, in the order in which shaders bind them.
-    pub fn map(&self) -> [wgpu::BindingResource<'_>; 2] {
+    pub fn map(&self) -> (&wgpu::Buffer, &TextureView) {
         self.all.bindings()
     }
 
@@ -97,7 +97,7 @@ impl Shadows {
     }
 
     /// The same as [`Shadows::map`], of what stands before a cloud; of nothing where nothing does.
-    pub fn on(&self, number: usize) -> [wgpu::BindingResource<'_>; 2] {
+    pub fn on(&self, number: usize) -> (&wgpu::Buffer, &TextureView) {
         self.on_layers.get(&number).unwrap_or(&self.none).bindings()
     }
 
@@ -121,13 +121,12 @@ impl Shadows {
         self.on_layers.clear();
     }
 
-    /// Brings the maps of what stands before layers up to date; tells how many were made. `casters` have the numbers of
-    /// their clouds.
+    /// Brings the maps of what stands before layers up to date; tells how many were made. `casters` know their clouds.
     pub fn prepare_on_layers(
         &mut self,
         inputs: &ShadowInputs<'_>,
         encoder: &mut wgpu::CommandEncoder,
-        casters: &[(usize, Caster)],
+        casters: &[Caster],
         texels: u32,
     ) -> u32 {
         let clouds = &inputs.frame.clouds;
@@ -138,10 +137,9 @@ impl Shadows {
         for layer in (0..clouds.len()).filter(is_layer) {
             let before =
                 |other: usize| other != layer && begins_before(&clouds[other], &clouds[layer], along);
-            let own = casters.iter().filter(|(other, _)| before(*other));
-            let own = own.map(|(_, caster)| caster.clone()).collect();
+            let own: Vec<_> = casters.iter().filter(|caster| before(caster.number)).cloned().collect();
             let map = self.on_layers.entry(layer).or_insert_with(|| Map::new(inputs.device));
-            match map.prepare(&mut self.splat, inputs, encoder, own, texels, 0.0) {
+            match map.prepare(&mut self.splat, inputs, encoder, &own, texels, 0.0) {
                 Some(is_made) => made += u32::from(is_made),
                 None => drop(self.on_layers.remove(&layer)),
             }
@@ -155,10 +153,10 @@ impl Shadows {
         &mut self,
         inputs: &ShadowInputs<'_>,
         encoder: &mut wgpu::CommandEncoder,
-        casters: Vec<Caster>,
+        casters: &[Caster],
         texels: u32,
     ) -> u32 {
-        let reach = casters::reach(inputs.frame, &casters);
+        let reach = casters::reach(inputs.frame, casters);
         let Some(is_made) = self.all.prepare(&mut self.splat, inputs, encoder, casters, texels, reach) else {
             self.none();
             return 0;

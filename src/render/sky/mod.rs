@@ -24,7 +24,7 @@ use wgpu::{TextureFormat, TextureView};
 use super::shadow::Shadows;
 use crate::{
     frame::{AERIAL_REACH, CameraUniform, SkySettings, SkyUniform},
-    gpu::{self, Timing, view},
+    gpu::{self, Made, Timing, view},
 };
 use background::{Background, BackgroundKind, background_pipeline};
 use tables::{SKY_LIGHT, Tables, table};
@@ -67,17 +67,22 @@ pub struct Sky {
     /// The kind of background that was last prepared.
     current: BackgroundKind,
     /// What the tables hold.
-    made: Option<Made>,
+    made: Option<Wanted>,
+    /// What was last bound to draw it, and the group of that.
+    bound: Option<(Bound, wgpu::BindGroup)>,
 }
+
+/// What drawing the sky binds that may change: its pipeline and textures.
+type Bound = (wgpu::RenderPipeline, [TextureView; 4]);
 
 /// All that tables depend on.
 #[derive(Clone, Copy, PartialEq)]
-struct Made {
+struct Wanted {
     settings: SkySettings,
     camera: CameraUniform,
 }
 
-impl Made {
+impl Wanted {
     /// Which tables must be made for `self` where those of `before` are at hand.
     fn redo(&self, before: Option<&Self>) -> Redone {
         if !self.settings.atmosphere {
@@ -136,6 +141,7 @@ impl Sky {
             unshaded: Shadows::new(device),
             current: BackgroundKind { atmosphere: false, sun_disc: false, shaded: false, adds: false },
             made: None,
+            bound: None,
         }
     }
 
@@ -150,10 +156,11 @@ impl Sky {
         camera: &CameraUniform,
         timing: Option<&Timing>,
     ) -> Redone {
-        let wanted = Made { settings: *settings, camera: *camera };
+        let wanted = Wanted { settings: *settings, camera: *camera };
         if self.made == Some(wanted) {
             return Redone::default();
         }
+        Made::one(|made| &mut made.writes);
         queue.write_buffer(&self.sky_uniform, 0, bytemuck::bytes_of(&settings.uniform));
         queue.write_buffer(&self.camera_uniform, 0, bytemuck::bytes_of(camera));
         let redo = wanted.redo(self.made.as_ref());
@@ -237,7 +244,8 @@ impl Sky {
         timing: Option<&Timing>,
     ) {
         let pipeline = self.background(device, format, self.current);
-        self.draw_with(device, encoder, target, (&pipeline, false), &self.unshaded, timing);
+        let group = self.bind(device, &pipeline, None);
+        Self::draw_with(encoder, target, (&pipeline, &group, false), timing);
     }
 
     /// The same with these shadows, over what is there or on top of it.
@@ -252,30 +260,46 @@ impl Sky {
     ) {
         let shaded = shadows.cast && self.current.atmosphere;
         let pipeline = self.background(device, format, BackgroundKind { shaded, adds, ..self.current });
-        self.draw_with(device, encoder, target, (&pipeline, adds), shadows, timing);
+        let group = self.bind(device, &pipeline, Some(shadows));
+        Self::draw_with(encoder, target, (&pipeline, &group, adds), timing);
     }
 
-    fn draw_with(
-        &self,
+    /// What drawing the sky binds, made anew only where something in it is another one than before.
+    fn bind(
+        &mut self,
         device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        target: &TextureView,
-        (pipeline, adds): (&wgpu::RenderPipeline, bool),
-        shadows: &Shadows,
-        timing: Option<&Timing>,
-    ) {
-        let [map, lit] = shadows.map();
+        pipeline: &wgpu::RenderPipeline,
+        shadows: Option<&Shadows>,
+    ) -> wgpu::BindGroup {
+        let shadows = shadows.unwrap_or(&self.unshaded);
+        let (numbers, lit) = shadows.map();
+        let textures = [self.transmittance(), self.sky_view(), lit, shadows.air()].map(TextureView::clone);
+        let wanted = (pipeline.clone(), textures);
+        if let Some((_, group)) = self.bound.as_ref().filter(|(bound, _)| *bound == wanted) {
+            return group.clone();
+        }
+        let [transmittance, sky_view, lit, air] = wanted.1.each_ref().map(wgpu::BindingResource::TextureView);
         let resources = [
             self.sky_uniform.as_entire_binding(),
             self.camera_uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(self.transmittance()),
-            wgpu::BindingResource::TextureView(self.sky_view()),
+            transmittance,
+            sky_view,
             wgpu::BindingResource::Sampler(&self.sampler),
-            map,
+            numbers.as_entire_binding(),
             lit,
-            wgpu::BindingResource::TextureView(shadows.air()),
+            air,
         ];
         let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
+        self.bound = Some((wanted, group.clone()));
+        group
+    }
+
+    fn draw_with(
+        encoder: &mut wgpu::CommandEncoder,
+        target: &TextureView,
+        (pipeline, group, adds): (&wgpu::RenderPipeline, &wgpu::BindGroup, bool),
+        timing: Option<&Timing>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sky"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -291,7 +315,7 @@ impl Sky {
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
+        pass.set_bind_group(0, group, &[]);
         pass.draw(0..3, 0..1);
     }
 

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3, Vec4};
 
 use crate::{
     frame::medium::{EllipsoidUniform, Medium},
-    gpu,
+    gpu::{self, Made},
 };
 
 /// `Field` of `shaders/lib/field.wgsl`.
@@ -103,6 +103,7 @@ pub(super) fn cells(uniform: &FieldUniform) -> u32 {
 
 /// A buffer that shaders alone write.
 pub(super) fn scratch(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
+    Made::one(|made| &mut made.buffers);
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size,

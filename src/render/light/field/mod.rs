@@ -27,7 +27,10 @@ use wgpu::TextureView;
 
 use super::{bricks::Bricks, inputs::Inputs, sun::BoxKey};
 use crate::{
-    frame::{Shared, medium::Medium},
+    frame::{
+        Shared, SkySettings,
+        medium::{Medium, MediumKind},
+    },
     gpu::{self, ComputeProgram},
     render::medium::Media,
 };
@@ -36,7 +39,7 @@ pub use levels::FieldUniform;
 use levels::scratch;
 use quadrature::{DIRECTIONS, directions};
 use solver::Solver;
-pub(super) use view::{SolvedLight, eye_of};
+pub(super) use view::{Eyes, SolvedLight, eye_of};
 
 /// What light is solved for in, and on how many cells along the longest axis.
 #[derive(Clone, PartialEq)]
@@ -56,29 +59,11 @@ pub(super) struct Field {
     pub sky: Option<SolvedLight>,
 }
 
-impl Field {
-    /// Finds the light that goes to `eye` ([`eye_of`]), where that has moved.
-    pub fn seen_from(
-        &mut self,
-        pass: &FieldPass,
-        device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        eye: Vec4,
-    ) {
-        for light in [&mut self.sun].into_iter().chain(&mut self.sky) {
-            match self.field_box.repeats {
-                true => light.kept_for_all(&pass.tile, device, encoder),
-                false => light.seen_from(&pass.view, device, encoder, eye),
-            }
-        }
-    }
-}
-
 /// The programs.
 pub(super) struct FieldPass {
     entering: [ComputeProgram; 2],
     /// By medium.
-    media: HashMap<&'static str, ComputeProgram>,
+    media: HashMap<MediumKind, ComputeProgram>,
     /// Of light from outside, and from a ball within.
     sweep: [ComputeProgram; 2],
     scatter: ComputeProgram,
@@ -89,6 +74,8 @@ pub(super) struct FieldPass {
     view: [ComputeProgram; 2],
     /// The same of layers.
     tile: [ComputeProgram; 2],
+    /// What of sky and ground comes in along each direction: the same for all clouds under this sky.
+    sky: Option<(SkySettings, wgpu::Buffer)>,
     /// Radiance and source: one solution after another uses them, however many clouds there are.
     scratch: Option<[wgpu::Buffer; 2]>,
 }
@@ -123,8 +110,15 @@ impl FieldPass {
             keep: program("moments_keep", &[]),
             view: [false, true].map(|sun| program("moments_view", &[("SUN", flag(sun))])),
             tile: [false, true].map(|sun| program("moments_tile", &[("SUN", flag(sun))])),
+            sky: None,
             scratch: None,
         }
+    }
+
+    /// The light of sky and ground that comes in, where it was found already.
+    fn entered(&self, inputs: &Inputs<'_>) -> Option<wgpu::Buffer> {
+        let (_, found) = self.sky.as_ref().filter(|(of, _)| inputs.sky.settings() == Some(*of))?;
+        Some(found.clone())
     }
 
     /// Two buffers of at least `size` bytes, the same as before where those are large enough.
@@ -174,13 +168,21 @@ impl FieldPass {
         let numbers = u64::from(field_box.size(most).element_product() * lights.count()) * DIRECTIONS as u64;
         let scratch = self.scratch(device, numbers * size_of::<f32>() as u64);
         let bricks = Bricks::of(&sun.light_box, medium, sun.voxels);
-        let role = media.role(medium);
+        let kind = media.kind(medium);
         self.media
-            .entry(role.1)
-            .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[role], &[]));
+            .entry(kind)
+            .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[kind.role()], &[]));
         let none = vec![0.0f32; 3 * DIRECTIONS];
-        // Of a ball within all of its light counts, and none comes from outside.
-        let entering = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
+        let entered = if lights == Lights::Sky { self.entered(inputs) } else { None };
+        let enters = lights == Lights::Sky && entered.is_none();
+        let entering = entered.unwrap_or_else(|| {
+            // Of a ball within all of its light counts, and none comes from outside.
+            let share = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
+            gpu::storage_buffer(device, "entering light", &share)
+        });
+        if enters {
+            self.sky = inputs.sky.settings().map(|settings| (settings, entering.clone()));
+        }
         let solver = Solver {
             pass: self,
             inputs,
@@ -190,14 +192,15 @@ impl FieldPass {
             lights,
             species: &medium.species,
             densest: medium.densest(),
-            medium: (&self.media[role.1], media.group(medium)),
+            medium: (&self.media[&kind], media.group(medium)),
             sun_box: gpu::uniform_buffer(device, "sun box", &sun.light_box),
             lists: gpu::storage_buffer(device, "bricks", &bricks.lists),
             candidates: gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
             sun_volume,
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &directions()),
-            entering: gpu::storage_buffer(device, "entering light", &entering),
+            enters,
+            entering,
             none: gpu::storage_buffer(device, "no entering light", &none),
         };
         let stamps = inputs.timing.and_then(|timing| timing.compute("moments"));

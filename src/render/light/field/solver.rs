@@ -56,6 +56,8 @@ pub(super) struct Solver<'a> {
     pub sun_volume: &'a TextureView,
     pub clamped: wgpu::Sampler,
     pub directions: wgpu::Buffer,
+    /// Whether what of the sky comes in is yet to be found.
+    pub enters: bool,
     /// Radiance that comes in, and none.
     pub entering: wgpu::Buffer,
     pub none: wgpu::Buffer,
@@ -77,7 +79,7 @@ type Pass<'a> = wgpu::ComputePass<'a>;
 
 impl Solver<'_> {
     pub fn run(&self, pass: &mut Pass<'_>, most: u32) -> SolvedLight {
-        if self.lights == Lights::Sky {
+        if self.enters {
             self.enter(pass);
         }
         let repeats = self.repeats();

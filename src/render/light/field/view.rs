@@ -4,13 +4,13 @@ use glam::{DVec3, Vec4};
 use wgpu::TextureView;
 
 use super::{
-    Lights,
+    Field, FieldPass, Lights,
     levels::{Level, cells, scratch},
 };
 use crate::{
     frame::CameraUniform,
     gpu::{self, ComputeProgram},
-    render::light::sun::volume,
+    render::light::{inputs::Inputs, sun::volume},
 };
 
 /// Where a cloud at `origin` is looked at from, as `lib/field_view.wgsl` takes it: the eye's place in the
@@ -44,6 +44,8 @@ pub(in crate::render::light) struct SolvedLight {
     pub view: TextureView,
     /// Which eye that is; none yet where that is to be found.
     eye: Option<Vec4>,
+    /// What its pass binds, with the buffer of eyes that is in it.
+    bound: Option<(wgpu::Buffer, wgpu::BindGroup)>,
 }
 
 impl SolvedLight {
@@ -58,6 +60,7 @@ impl SolvedLight {
             kept: scratch(device, "solved moments", u64::from(cells * lights.count()) * 32),
             view: gpu::view(&texture),
             eye: None,
+            bound: None,
         }
     }
 
@@ -83,28 +86,77 @@ impl SolvedLight {
         program.dispatch_over(encoder, &[&group], [self.cells, 1, 1], None);
     }
 
-    pub(super) fn seen_from(
+    /// Whether what goes to `eye` is to be found; then it counts as found.
+    fn has_moved(&mut self, eye: Vec4) -> bool {
+        self.eye.replace(eye) != Some(eye)
+    }
+
+    /// Records the pass that finds what goes to the eye at `offset` in `eyes`.
+    fn record(
         &mut self,
         programs: &[ComputeProgram; 2],
         device: &wgpu::Device,
-        encoder: &mut wgpu::CommandEncoder,
-        eye: Vec4,
+        pass: &mut wgpu::ComputePass<'_>,
+        (eyes, offset): (&wgpu::Buffer, u32),
     ) {
-        if self.eye == Some(eye) {
-            return;
-        }
-        self.eye = Some(eye);
         let program = &programs[usize::from(self.lights == Lights::Sun)];
-        let eye = gpu::uniform_buffer(device, "eye", &eye);
-        let group = program.bind(
-            device,
-            &[
+        let known = self.bound.take().filter(|(known, _)| known == eyes);
+        let (_, group) = self.bound.insert(known.unwrap_or_else(|| {
+            let resources = [
                 Some(self.field.as_entire_binding()),
-                Some(eye.as_entire_binding()),
+                Some(gpu::one_of::<Vec4>(eyes)),
                 Some(self.kept.as_entire_binding()),
                 Some(wgpu::BindingResource::TextureView(&self.view)),
-            ],
-        );
-        program.dispatch_over(encoder, &[&group], [self.cells, 1, 1], None);
+            ];
+            (eyes.clone(), program.bind(device, &resources))
+        }));
+        program.record_over_at(pass, (group, offset), [self.cells, 1, 1]);
+    }
+}
+
+/// The eyes that clouds are seen from in a picture: one pass over all that have moved.
+pub(in crate::render::light) struct Eyes(gpu::Shelf);
+
+impl Default for Eyes {
+    fn default() -> Self {
+        Self(gpu::Shelf::of_places("eyes"))
+    }
+}
+
+impl Eyes {
+    /// Finds the light of `fields` that goes to their eyes ([`eye_of`]), where those have moved.
+    pub fn see<'a>(
+        &mut self,
+        programs: &FieldPass,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        fields: impl Iterator<Item = (&'a mut Field, Vec4)>,
+    ) {
+        let device = inputs.device;
+        let (mut eyes, mut moved): (Vec<Vec4>, Vec<(usize, &mut SolvedLight)>) = Default::default();
+        for (field, eye) in fields {
+            let repeats = field.field_box.repeats;
+            for light in [&mut field.sun].into_iter().chain(&mut field.sky) {
+                if repeats {
+                    light.kept_for_all(&programs.tile, device, encoder);
+                } else if light.has_moved(eye) {
+                    if eyes.last() != Some(&eye) {
+                        eyes.push(eye);
+                    }
+                    moved.push((eyes.len() - 1, light));
+                }
+            }
+        }
+        if moved.is_empty() {
+            return;
+        }
+        let buffer = self.0.fill(device, inputs.queue, &eyes);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("moments view"),
+            timestamp_writes: inputs.timing.and_then(|timing| timing.compute("moments view")),
+        });
+        for (number, light) in moved {
+            light.record(&programs.view, device, &mut pass, (buffer, gpu::Shelf::offset(number)));
+        }
     }
 }
