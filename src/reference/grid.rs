@@ -149,7 +149,15 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     fn world(ellipsoids: Vec<EllipsoidUniform>, bodies: Vec<BodyUniform>) -> World {
-        World { origin: DVec3::ZERO, ellipsoids, species: Vec::new(), bodies, layer: None, volume: None }
+        World {
+            origin: DVec3::ZERO,
+            ellipsoids,
+            species: Vec::new(),
+            bodies,
+            layer: None,
+            volume: None,
+            fields: None,
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod depth_volume;
 mod ellipsoids;
 mod layer;
 mod layer_tile;
+mod mixture;
 mod noise;
 mod species;
 mod volume;
