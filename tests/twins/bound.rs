@@ -81,7 +81,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sunlight", "sun_phase light_sun_depth light_glare"),
             ("steps", "kept_of"),
             ("moments_tile", "picture"),
-            ("medium", "medium_species depth_place depth_texel baked_depth entry_of extinction_of field_at square_place square_exit square_is_clear"),
+            ("medium", "medium_species depth_place depth_texel baked_depth entry_of extinction_of fields_of field_at square_place square_exit square_is_clear"),
             ("slab_lookup", "set_radiance"),
         ],
     ),
