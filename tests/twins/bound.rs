@@ -127,7 +127,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("unshadowed", "light_begin light_glare light_reads_nodes light_sun_depth light_piece light_node"),
             (
                 "light",
-                "light_begin light_glare light_transported light_ahead light_reads_nodes light_sun_depth light_piece
+                "light_begin light_transported light_ahead light_reads_nodes light_piece
                  light_node light_ray before_flash multiple_source source_of_sun source_of_sky solved_of_sun tile_texel",
             ),
         ],
