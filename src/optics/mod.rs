@@ -14,7 +14,7 @@
 //! functions are in 1/sr and integrate to 1 over the sphere. Arrays of three
 //! are red, green, blue.
 
-mod airy;
+pub mod airy;
 pub mod band;
 pub mod crystal;
 pub mod diffraction;
