@@ -113,7 +113,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "march",
             "Volume",
-            layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, widest, levels),
+            layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, widest, mixed, levels),
         ),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (

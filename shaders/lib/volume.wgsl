@@ -22,7 +22,8 @@ struct Volume {
     count: u32,
     // Longest edge of a voxel, m.
     widest: f32,
-    padding_0: f32,
+    // 1 where a texel of the atlas holds several fields, else 0.
+    mixed: u32,
     padding_1: f32,
     padding_2: f32,
     // By level: bricks along each axis, and where those begin in the index.
@@ -114,9 +115,34 @@ fn volume_boundary(volume: Volume, level: u32, most: f32) -> f32 {
     return voxel * mix(VOLUME_STEPS.y, VOLUME_STEPS.x, saturate(most * voxel / VOLUME_THIN));
 }
 
-// What is at a point of this extinction, 1/m.
-fn volume_matter(volume: Volume, extinction: f32) -> Matter {
-    return Matter(extinction, select(-volume.voxel, volume.voxel, extinction > 0.0), 0.0, 0.0, 0u);
+// Extinction of each field at a point, 1/m, from a sample of the atlas.
+fn volume_fields(volume: Volume, texel: vec4f) -> vec4f {
+    return volume.extinction * select(vec4f(texel.x, 0.0, 0.0, 0.0), texel, volume.mixed == 1u);
+}
+
+// One of the fields, as likely as its share, by a number from 0 to 1.
+fn volume_field(fields: vec4f, chance: f32) -> u32 {
+    let below = vec3f(fields.x, fields.x + fields.y, fields.x + fields.y + fields.z);
+    let whole = below.z + fields.w;
+    let place = min(chance, 0.999999) * whole;
+    let passed = select(vec3u(0u), vec3u(1u), vec3f(place) >= below);
+    return select(0u, passed.x + passed.y + passed.z, whole > 0.0);
+}
+
+// A number from 0 to 1 for a place, unlike that of any other: where a place is drawn by chance, so is this (the
+// finalizer of Wellons 2018 over the bits of the place).
+fn volume_chance(p: vec3f) -> f32 {
+    let bits = bitcast<vec3u>(p);
+    var hash = bits.x * 747796405u + bits.y * 2891336453u + bits.z * 277803737u;
+    hash = (hash ^ (hash >> 16u)) * 2146121005u;
+    hash = (hash ^ (hash >> 15u)) * 2221713035u;
+    hash ^= hash >> 16u;
+    return f32(hash >> 8u) * (1.0 / 16777216.0);
+}
+
+// What is at a point of this extinction, 1/m, in a body.
+fn volume_matter(volume: Volume, extinction: f32, body: u32) -> Matter {
+    return Matter(extinction, select(-volume.voxel, volume.voxel, extinction > 0.0), 0.0, 0.0, body);
 }
 
 // Share of the greatest extinction beside which a change is none.

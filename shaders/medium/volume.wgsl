@@ -22,26 +22,32 @@ fn entry_of(brick: vec3f, level: u32) -> u32 {
     return volume_index[volume_entry(volume_frame, level, brick)];
 }
 
-// Extinction at a point, 1/m, on average over a footprint, m.
-fn extinction_of(p: vec3f, footprint: f32) -> f32 {
+// Extinction of each field at a point, 1/m, on average over a footprint, m.
+fn fields_of(p: vec3f, footprint: f32) -> vec4f {
     let level = volume_level(volume_frame, footprint);
     let place = volume_scale(level) * volume_place(volume_frame, p);
     let brick = floor(place);
     let entry = entry_of(brick, level);
     if entry == VOLUME_EMPTY {
-        return 0.0;
+        return vec4f(0.0);
     }
     let coordinate = volume_coordinate(volume_frame, volume_number(entry), place - brick);
-    return volume_frame.extinction * textureSampleLevel(volume_atlas, volume_sampler, coordinate, 0.0).r;
+    return volume_fields(volume_frame, textureSampleLevel(volume_atlas, volume_sampler, coordinate, 0.0));
 }
 
+fn extinction_of(p: vec3f, footprint: f32) -> f32 {
+    return dot(fields_of(p, footprint), vec4f(1.0));
+}
+
+// Where there are several fields it is one of them by chance, of which the place is: bodies are theirs.
 fn medium_at(region: Region, p: vec3f, footprint: f32, blur: f32) -> Matter {
-    return volume_matter(volume_frame, extinction_of(p, max(footprint, blur)));
+    let fields = fields_of(p, max(footprint, blur));
+    return volume_matter(volume_frame, dot(fields, vec4f(1.0)), volume_field(fields, volume_chance(p)));
 }
 
 // No noise is on top.
 fn medium_mean_at(region: Region, p: vec3f, blur: f32) -> Matter {
-    return volume_matter(volume_frame, extinction_of(p, blur));
+    return volume_matter(volume_frame, extinction_of(p, blur), 0u);
 }
 
 // Width of a pixel where the ray at hand was asked last, m.
@@ -51,7 +57,7 @@ fn medium_on_ray(region: Region, p: vec3f, direction: vec3f, blur: f32) -> Matte
     count(DENSITY, 1u);
     count(VOLUME_READS, 2u);
     volume_blur = blur;
-    return volume_matter(volume_frame, extinction_of(p, blur));
+    return volume_matter(volume_frame, extinction_of(p, blur), 0u);
 }
 
 fn medium_begin(region: Region, origin: vec3f, direction: vec3f, bend: f32) {

@@ -11,8 +11,8 @@ use super::{
 };
 use crate::{
     Error, Result,
-    import::{Choice, Found, Raw, choose, found_in},
-    scene::{Brick, Cloud, Endian, Grid, Scene, Up, Volume},
+    import::{Choice, Found, Raw, choose, found_in, species_of},
+    scene::{Brick, Cloud, Droplets, Endian, Grid, Scene, Up, Volume},
 };
 
 /// Tell what is in a volume's file, and make a scene of it.
@@ -28,6 +28,9 @@ pub struct Import {
     /// Grid that is drawn; where left out, the only one, or `density`.
     #[arg(long, value_name = "NAME")]
     grid: Option<String>,
+    /// A cloud for each kind of water of a weather model: droplets, rain, ice, snow and graupel each scatter as they do.
+    #[arg(long, conflicts_with = "grid")]
+    kinds: bool,
     /// Extinction where the grid is 1, per metre; where left out, 1 for values that are extinctions, and that of
     /// droplets for those without a unit.
     #[arg(long, value_name = "PER_METRE", value_parser = above_zero)]
@@ -82,9 +85,13 @@ impl Import {
         let found = found_in(&self.file, &Choice { grid: None, raw, step: self.step })?;
         terminal::print(&self.told(&found))?;
         let Some(output) = &self.output else { return Ok(()) };
-        let chosen = choose(found, self.grid.as_deref())
-            .map_err(|problem| Error::Format { path: self.file.clone(), problem })?;
-        let scene = self.scene(output, chosen, brick)?;
+        let chosen = if self.kinds {
+            self.kinds_of(found)?
+        } else {
+            let one = choose(found, self.grid.as_deref());
+            vec![one.map_err(|problem| Error::Format { path: self.file.clone(), problem })?]
+        };
+        let scene = self.scene(output, chosen, brick.as_ref())?;
         scene.save(output)?;
         let volume = scene.clouds[0].volume.as_ref();
         let extinction = volume.map_or(0.0, |volume| volume.extinction);
@@ -121,13 +128,46 @@ impl Import {
         text
     }
 
-    fn scene(&self, output: &Path, grid: Grid, raw: Option<Brick>) -> Result<Scene> {
+    /// The kinds of water that there is some of.
+    fn kinds_of(&self, found: Vec<Found>) -> Result<Vec<Grid>> {
+        let kinds: Vec<Grid> = found
+            .into_iter()
+            .filter(|found| species_of(&found.name).is_some())
+            .filter_map(|found| found.grid.ok())
+            .filter(|grid| grid.count > 0)
+            .collect();
+        if kinds.is_empty() {
+            let problem = "has no kinds of water by WRF's names: leave out --kinds".to_owned();
+            return Err(Error::Format { path: self.file.clone(), problem });
+        }
+        Ok(kinds)
+    }
+
+    fn scene(&self, output: &Path, grids: Vec<Grid>, raw: Option<&Brick>) -> Result<Scene> {
         let name = self.file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let clouds = grids.into_iter().map(|grid| {
+            let called = if self.kinds { grid.name.clone() } else { name.clone() };
+            let species = species_of(&grid.name);
+            let mut cloud = Cloud::of_volume(&called, self.volume(output, &grid, raw)?);
+            if let Some((species, effective_radius_um)) = species {
+                cloud.droplets = Droplets { species, effective_radius_um, ..Droplets::default() };
+            }
+            Ok(cloud)
+        });
+        let clouds = clouds.collect::<Result<Vec<_>>>()?;
+        let scene = Scene { name, clouds, ..Scene::default() };
+        scene.validate().map_err(|error| {
+            Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
+        })?;
+        Ok(scene)
+    }
+
+    fn volume(&self, output: &Path, grid: &Grid, raw: Option<&Brick>) -> Result<Volume> {
         let folder = output.parent().unwrap_or(Path::new(""));
         let mut volume = Volume {
             file: Volume::path_from(folder, &self.file),
             grid: Some(grid.name.clone()).filter(|_| raw.is_none()),
-            extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(&grid)),
+            extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(grid)),
             scale: self.scale,
             up: match self.up {
                 Some(UpAxis::Y) => Up::Y,
@@ -136,16 +176,11 @@ impl Import {
             },
             step: self.step,
             place: self.at.map_or(DVec3::ZERO, DVec3::from),
-            raw,
+            raw: raw.cloned(),
             ..Volume::default()
         };
         volume.read(folder)?;
-        let cloud = Cloud::of_volume(&name, volume);
-        let scene = Scene { name, clouds: vec![cloud], ..Scene::default() };
-        scene.validate().map_err(|error| {
-            Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
-        })?;
-        Ok(scene)
+        Ok(volume)
     }
 }
 

@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 
 use super::{numbers::seed, terminal};
 use crate::files::check_place;
+use crate::optics::ice;
 use crate::optics::slab::{check, study};
 use crate::optics::table::write_mie_table;
 use crate::{Error, Result};
@@ -25,6 +26,12 @@ enum Task {
     Mie {
         /// File to write.
         #[arg(short, long, default_value = "tables/mie.bin")]
+        output: PathBuf,
+    },
+    /// Make the tables of scattering by ice, snow and graupel (takes some minutes).
+    Ice {
+        /// File to write.
+        #[arg(short, long, default_value = "tables/ice.bin")]
         output: PathBuf,
     },
     /// Make the tables of light in slabs (takes some minutes; a run that was interrupted goes on).
@@ -57,6 +64,10 @@ impl Tables {
             Task::Mie { output } => {
                 check_place(&output)?;
                 with_bar("Mie table", |progress| write_mie_table(&output, progress))
+            }
+            Task::Ice { output } => {
+                check_place(&output)?;
+                with_bar("Ice", |progress| ice::write_table(&output, progress))
             }
             Task::Slab { output, seed } => {
                 with_bar("Slabs", |progress| study::write_tables(&output, seed, progress))

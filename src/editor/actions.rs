@@ -193,6 +193,7 @@ pub fn about(preset: Preset) -> &'static str {
         Preset::Altocumulus => "A layer of small heaps, to the horizon.",
         Preset::Mackerel => "Ripples of thin cloud in rows, to the horizon.",
         Preset::Cirrostratus => "A veil of ice high up, to the horizon.",
+        Preset::Shower => "A shower under a towering cumulus, with a rainbow.",
         Preset::Cirrus => "Streaks of ice along the shear of the wind, to the horizon.",
     }
 }

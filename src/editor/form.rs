@@ -249,7 +249,7 @@ impl<'a> Form<'a> {
         let key_room = if self.keying.is_some() { KEY_WIDTH } else { 0.0 };
         let (id, reset, key) = self
             .ui
-            .push_id(path, |ui| {
+            .push_id((path, name), |ui| {
                 // Rooms of a given size: no row can make the panel wider.
                 let (row, _) = ui.allocate_exact_size(
                     vec2(ui.available_width(), ui.spacing().interact_size.y),

@@ -114,6 +114,7 @@ fn symbol(unit: &str) -> &'static str {
         "stops" => " stops",
         "metres per second" => " m/s",
         "per cubic centimetre" => " /cm³",
+        "grams per cubic metre" => " g/m³",
         "per metre" => " /m",
         "per minute" => " /min",
         _ => "",

@@ -17,5 +17,6 @@ pub use camera::{MovingCamera, read_camera};
 pub use fill::{Filled, fill};
 pub use inside::Inside;
 pub use mesh::{Mesh, read_mesh};
+pub use netcdf::species_of;
 pub use raw::Raw;
 pub use volume::{Choice, Found, choose, found_in, parse_volume, read_volume};

@@ -2,7 +2,11 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use crate::{Error, Result, scene};
+use super::{ice, rain};
+use crate::{
+    Error, Result,
+    scene::{self, Habit, Species},
+};
 
 /// A phase function of the three channels, in 1/sr, integrating to 1 over the
 /// sphere.
@@ -40,16 +44,29 @@ impl Phase {
         Ok(Self::Tabulated(Box::new([channel(0)?, channel(1)?, channel(2)?])))
     }
 
-    /// That of a cloud's droplets.
+    /// That of a cloud's droplets, or what else it is made of.
     ///
     /// # Errors
     /// Where effective radius or asymmetry is out of its range.
     pub fn of(droplets: &scene::Droplets) -> Result<Self> {
         match droplets.phase {
-            scene::Phase::Mie => Self::mie(droplets.effective_radius_um),
+            scene::Phase::Mie => Self::of_species(droplets),
             scene::Phase::HenyeyGreenstein { g } => Self::henyey_greenstein(g),
             scene::Phase::Isotropic => Ok(Self::Isotropic),
         }
+    }
+
+    fn of_species(droplets: &scene::Droplets) -> Result<Self> {
+        let radius_um = droplets.effective_radius_um;
+        let kind = match (droplets.species, droplets.habit) {
+            (Species::Water, _) => return Self::mie(radius_um),
+            (Species::Rain, _) => return Ok(Self::Tabulated(Box::new(rain::phase(radius_um)?))),
+            (Species::Ice, Habit::Columns) => ice::Kind::Columns,
+            (Species::Ice, Habit::Plates) => ice::Kind::Plates,
+            (Species::Snow, _) => ice::Kind::Snow,
+            (Species::Graupel, _) => ice::Kind::Graupel,
+        };
+        Ok(Self::Tabulated(Box::new(ice::phase(kind, radius_um, droplets.roughness)?)))
     }
 
     /// Value in 1/sr of a channel (0 red, 1 green, 2 blue) at scattering angle

@@ -41,7 +41,7 @@ pub fn refractive_index(channel: usize) -> RefractiveIndex {
 
 /// Real part of the refractive index at a wavelength between 0.182 and 1.129
 /// um, by the dispersion formula of Daimon and Masumura (2007).
-fn real_part(wavelength_um: f64) -> f64 {
+pub(super) fn real_part(wavelength_um: f64) -> f64 {
     let squared = wavelength_um * wavelength_um;
     let sum: f64 =
         SELLMEIER.iter().map(|(amplitude, resonance)| amplitude * squared / (squared - resonance)).sum();

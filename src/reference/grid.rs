@@ -198,6 +198,7 @@ mod tests {
             bodies,
             layers: Vec::new(),
             volumes: Vec::new(),
+            fields: None,
         }
     }
 

@@ -19,6 +19,7 @@ mod life;
 mod light;
 mod moment;
 mod noise;
+mod particles;
 mod presets;
 mod sky;
 mod sun;
@@ -48,6 +49,7 @@ pub use layer::Layer;
 pub use life::Life;
 pub use light::{Light, LightSource, Lightning, MAX_LIGHTS};
 pub use noise::{Noise, Renewed};
+pub use particles::{Habit, Species};
 #[cfg(feature = "measure")]
 pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};

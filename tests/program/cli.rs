@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use assert_cmd::Command;
-use nephos::scene::{Preset, Scene, schema};
+use nephos::scene::{Preset, Scene, Species, schema};
 
 const SMALL: &str = r#"{"clouds":[{"ellipsoids":[{"center":[0,900,0],"radii":[120,70,100]}]}]}"#;
 
@@ -483,6 +483,30 @@ fn auto_exposure_is_told_and_can_be_given_by_hand() {
         let text = complaint(&all, 1);
         assert!(text.contains(thing) && text.contains("leave it out"), "{text}");
     }
+}
+
+#[test]
+fn kinds_of_water_come_in_as_clouds_of_their_species() {
+    let folder = tempfile::tempdir().unwrap();
+    let (weather, scene) = (in_folder(&folder, "storm.nc"), in_folder(&folder, "storm.json"));
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/storm.nc"), &weather).unwrap();
+    let of = |scene: &str| {
+        let clouds = Scene::load(scene).unwrap().clouds;
+        clouds
+            .into_iter()
+            .map(|c| (c.name, c.droplets.species, c.droplets.effective_radius_um))
+            .collect::<Vec<_>>()
+    };
+    told(&["import", &weather, "-o", &scene, "--kinds"]);
+    let wanted = [("QCLOUD", Species::Water, 10.0), ("QRAIN", Species::Rain, 500.0)];
+    assert_eq!(of(&scene), wanted.map(|(name, species, radius_um)| (name.to_owned(), species, radius_um)));
+    told(&["import", &weather, "-o", &scene, "--grid", "QRAIN"]);
+    assert_eq!(of(&scene), [("storm".to_owned(), Species::Rain, 500.0)]);
+    told(&["import", &weather, "-o", &scene]);
+    assert_eq!(of(&scene), [("storm".to_owned(), Species::Water, 6.0)]);
+    let volume = in_folder(&folder, "some.vdb");
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/volumes/grids.vdb"), &volume).unwrap();
+    assert!(complaint(&["import", &volume, "-o", &scene, "--kinds"], 1).contains("leave out --kinds"));
 }
 
 #[test]

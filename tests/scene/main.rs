@@ -7,6 +7,7 @@ mod imports;
 mod imports_gltf;
 mod layers;
 mod optics;
+mod particles;
 mod presets;
 #[cfg(all(feature = "export", feature = "import"))]
 #[path = "../common/readers.rs"]

@@ -85,7 +85,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("steps", "kept_of"),
             ("moments_tile", "picture"),
             ("ellipsoids_at", "medium_species"),
-            ("medium", "medium_species depth_place depth_texel baked_depth entry_of extinction_of field_at square_place square_exit square_is_clear"),
+            ("medium", "medium_species depth_place depth_texel baked_depth entry_of extinction_of fields_of field_at square_place square_exit square_is_clear"),
             ("slab_lookup", "set_radiance"),
         ],
     ),

@@ -11,7 +11,7 @@ const MAKE: &str = "fn make(x: array<vec4f, 8>) -> Volume {
     levels[0] = vec4u(5u, 4u, 3u, 0u);
     levels[1] = vec4u(3u, 2u, 2u, 60u);
     levels[2] = vec4u(2u, 1u, 1u, 72u);
-    return Volume(x[0], x[1], x[2], vec3f(0.01, 0.02, 0.04), 0.05, vec2u(3u, 2u), 20.0, 3u, 60.0, 0.0, 0.0, 0.0, levels);
+    return Volume(x[0], x[1], x[2], vec3f(0.01, 0.02, 0.04), 0.05, vec2u(3u, 2u), 20.0, 3u, 60.0, 1u, 0.0, 0.0, levels);
 }";
 
 /// Rows of the map to bricks, and a point or a direction.
@@ -51,7 +51,7 @@ fn exit(x: &Wide) -> f64 {
 }
 
 pub fn twins() -> Vec<Twin> {
-    [places(), bricks(), steps()].into_iter().flatten().collect()
+    [places(), bricks(), steps(), fields()].into_iter().flatten().collect()
 }
 
 fn places() -> Vec<Twin> {
@@ -180,8 +180,8 @@ fn steps() -> Vec<Twin> {
         Twin::new(
             "volume_matter",
             "volume",
-            "let m = volume_matter(make(x), x[0].x); return vec4f(m.extinction, m.depth, m.steady, m.clear);",
-            |x| [x[0][0], if x[0][0] > 0.0 { 20.0 } else { -20.0 }, 0.0, 0.0],
+            "let m = volume_matter(make(x), x[0].x, 3u); return vec4f(m.extinction, m.depth, m.steady, f32(m.body));",
+            |x| [x[0][0], if x[0][0] > 0.0 { 20.0 } else { -20.0 }, 0.0, 3.0],
         )
         .declaring(MAKE)
         .edges(line(&[0.0, 1e-6, 0.05, 1e3])),
@@ -192,5 +192,58 @@ fn steps() -> Vec<Twin> {
         })
         .declaring(MAKE)
         .over("all", |random| input([vector(random.log(1e-6, 1e-1) * random.direction(), 0.0)])),
+    ]
+}
+
+fn fields() -> Vec<Twin> {
+    vec![
+        Twin::new("volume_fields", "volume", "return volume_fields(make(x), x[3]);", |x| {
+            x[3].map(|share| f64::from(0.05f32) * share)
+        })
+        .declaring(MAKE)
+        .over("all", |random| {
+            let mut x = input([]);
+            x[3] = [0; 4].map(|_| random.between(0.0, 1.0) as f32);
+            x
+        }),
+        Twin::new("volume_field", "volume", "return vec4f(f32(volume_field(x[0], x[1].x)));", |x| {
+            let whole: f64 = x[0].iter().sum();
+            let mut below = 0.0;
+            let passed = |share: &&f64| {
+                below += **share;
+                x[1][0] * whole >= below
+            };
+            one(if whole > 0.0 { x[0][..3].iter().filter(passed).count() as f64 } else { 0.0 })
+        })
+        .exact()
+        .edges(vec![
+            input([vector(DVec3::ZERO, 0.0), vector(DVec3::ZERO, 0.0)]),
+            input([vector(DVec3::X, 0.0), vector(DVec3::new(0.9999999, 0.0, 0.0), 0.0)]),
+            input([vector(DVec3::Y, 0.0), vector(DVec3::ZERO, 0.0)]),
+            input([vector(DVec3::ZERO, 1.0), vector(DVec3::new(0.5, 0.0, 0.0), 0.0)]),
+            input([vector(DVec3::new(1.0, 2.0, 1.0), 4.0), vector(DVec3::new(0.25, 0.0, 0.0), 0.0)]),
+        ])
+        .over("all", |random| {
+            let fields = DVec3::from([0; 3].map(|_| random.between(0.1, 1.0)));
+            // Off the borders, which rounding may move.
+            let whole = fields.element_sum() + 0.5;
+            let borders = [fields.x, fields.x + fields.y, fields.element_sum()].map(|border| border / whole);
+            let mut chance = random.between(0.0, 0.99);
+            while borders.iter().any(|border| (chance - border).abs() < 1e-5) {
+                chance = random.between(0.0, 0.99);
+            }
+            input([vector(fields, 0.5), vector(DVec3::new(chance, 0.0, 0.0), 0.0)])
+        }),
+        Twin::new("volume_chance", "volume", "return vec4f(volume_chance(x[0].xyz));", |x| {
+            let bits = [0, 1, 2].map(|i| (x[0][i] as f32).to_bits());
+            let factors = [747_796_405_u32, 2_891_336_453, 277_803_737];
+            let mut hash =
+                bits.iter().zip(factors).fold(0_u32, |sum, (bits, f)| sum.wrapping_add(bits.wrapping_mul(f)));
+            hash = (hash ^ hash >> 16).wrapping_mul(2_146_121_005);
+            hash = (hash ^ hash >> 15).wrapping_mul(2_221_713_035);
+            one(f64::from((hash ^ hash >> 16) >> 8) / f64::from(1 << 24))
+        })
+        .exact()
+        .over("all", |random| input([vector(random.log(1e-3, 1e5) * random.direction(), 0.0)])),
     ]
 }

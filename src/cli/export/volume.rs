@@ -17,6 +17,7 @@ use crate::{
     export::{write_vdb, write_vol},
     files::check_place,
     render::{Frame, VoxelGrid, Voxels},
+    scene::{Scene, Species},
 };
 
 /// Write the density as OpenVDB (.vdb) or as a grid volume of Mitsuba (.vol).
@@ -81,7 +82,8 @@ impl Volume {
 
     fn moment(&self, write: Write) -> Result<()> {
         check_place(&self.output)?;
-        let frame = Frame::new(&self.source.scene()?, [1, 1])?;
+        let scene = self.source.scene()?;
+        let frame = Frame::new(&scene, [1, 1])?;
         let voxel = self.voxel.map_or_else(|| VoxelGrid::voxel_of(&frame, self.resolution), Ok)?;
         let gpu = self.source.gpu()?;
         let grid = self.grid(voxel);
@@ -97,7 +99,8 @@ impl Volume {
             size.z,
             short(voxel),
             volume.filled().count()
-        ))
+        ))?;
+        terminal::print(&untold(&scene))
     }
 
     /// A file a frame, with voxels of one size: that of the frame which needs the largest.
@@ -139,4 +142,20 @@ type Write = fn(&Path, &Voxels) -> Result<()>;
 
 fn short(voxel: f64) -> f64 {
     (1e4 * voxel).round() / 1e4
+}
+
+/// What a volume can't say of a scene's particles: a line, or nothing where there is nothing but water.
+fn untold(scene: &Scene) -> String {
+    let seen = scene.clouds.iter().filter(|cloud| !cloud.hidden).map(|cloud| cloud.droplets.species);
+    let mut names: Vec<&str> = seen.filter(|species| *species != Species::Water).map(Species::name).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "How {} scatters light is not in the file, which holds extinction alone: give the other program its asymmetry \
+         (docs/particles.md).\n",
+        names.join(" and ")
+    )
 }

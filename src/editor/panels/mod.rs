@@ -1,5 +1,6 @@
 //! The panels: one struct, one file each.
 
+mod droplets;
 mod growth;
 mod layer;
 mod lights;

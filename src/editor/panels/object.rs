@@ -4,16 +4,15 @@ use eframe::egui::{DragValue, Ui};
 use egui_phosphor::regular as icon;
 use glam::DVec3;
 
-use super::{apply, growth::growth, hint, layer::layer, section, volume::volume};
+use super::{apply, droplets::droplets, growth::growth, hint, layer::layer, section, volume::volume};
 use crate::{
     editor::{
         Document, EllipsoidId,
         form::{Change, Form},
         labels::name_widget,
-        words::choice,
     },
     scene::{
-        Cloud, Droplets, Edge, Ellipsoid, Heaps, Life, Noise, Phase,
+        Cloud, Edge, Ellipsoid, Heaps, Life, Noise,
         timeline::{Owner, owner_path},
     },
 };
@@ -268,42 +267,4 @@ fn life(ui: &mut Ui, document: &mut Document, index: usize, mut life: Option<Lif
     }
     let change = form.changed();
     apply(document, change, |scene| scene.clouds[index].life = own.then_some(rows));
-}
-
-fn droplets(ui: &mut Ui, document: &mut Document, index: usize, cloud: &Cloud) {
-    let (mut water, default) = (cloud.droplets.clone(), Droplets::default());
-    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
-    // A volume tells by itself how dense it is.
-    let is_counted = cloud.volume.is_none();
-    if is_counted {
-        form.slider(
-            "Droplets.concentration_per_cm3",
-            "Concentration",
-            &mut water.concentration_per_cm3,
-            default.concentration_per_cm3,
-            0.0..=1000.0,
-        );
-    }
-    form.number(
-        "Droplets.effective_radius_um",
-        "Effective radius",
-        &mut water.effective_radius_um,
-        default.effective_radius_um,
-    );
-    let phases = [
-        ("Mie", choice("Phase.mie"), Phase::Mie),
-        ("Henyey-Greenstein", choice("Phase.henyey_greenstein"), Phase::HenyeyGreenstein { g: 0.85 }),
-        ("Isotropic", choice("Phase.isotropic"), Phase::Isotropic),
-    ];
-    form.choice("Droplets.phase", "Phase function", &mut water.phase, &phases);
-    if let Phase::HenyeyGreenstein { g } = &mut water.phase {
-        form.number("Phase.henyey_greenstein.g", "Asymmetry", g, 0.85);
-    }
-    form.number("Droplets.albedo", "Albedo", &mut water.albedo, default.albedo);
-    let change = form.changed();
-    let path = 1.0 / water.extinction();
-    if is_counted && path.is_finite() {
-        hint(ui, &format!("Mean free path of light: {path:.1} m"));
-    }
-    apply(document, change, |scene| scene.clouds[index].droplets = water);
 }

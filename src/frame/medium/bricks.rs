@@ -31,7 +31,7 @@ const MOST_BRICKS: usize = 1 << 19;
 /// Most entries of an index: 128 MiB of them.
 const MOST_ENTRIES: u32 = 1 << 25;
 /// Points of a level, in blocks of 8^3, z fastest, from its first brick on.
-type Blocks = HashMap<[i32; 3], Box<[f32; 512]>>;
+pub(super) type Blocks = HashMap<[i32; 3], Box<[f32; 512]>>;
 
 /// A level of bricks.
 #[derive(Debug)]
@@ -52,7 +52,8 @@ pub(crate) struct Bricks {
     index: Vec<u32>,
     /// Level and place of each brick.
     stored: Vec<(u32, IVec3)>,
-    most: f32,
+    /// The greatest value.
+    pub(super) most: f32,
 }
 
 impl PartialEq for Bricks {
@@ -81,7 +82,8 @@ impl Bricks {
         Ok(bricks)
     }
 
-    fn new(grid: &Arc<Grid>) -> Result<Self, String> {
+    /// Those of `grid`, for whoever keeps them.
+    pub(super) fn new(grid: &Arc<Grid>) -> Result<Self, String> {
         let first = Volume::reach(grid).0.map(|i| i.div_euclid(CELLS as i32));
         let blocks: Blocks = grid
             .blocks
@@ -166,6 +168,11 @@ impl Bricks {
         most as f32 / 255.0
     }
 
+    /// The points of the finest level.
+    pub(super) fn finest(&self) -> Blocks {
+        self.levels.first().map(|level| level.blocks.clone()).unwrap_or_default()
+    }
+
     /// Number of the voxel at the least corner of the first brick.
     pub fn base(&self) -> IVec3 {
         self.base
@@ -200,14 +207,26 @@ impl Bricks {
 
     /// Uploads atlas and index.
     pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> VolumeTextures {
+        self.upload_as(device, queue, wgpu::TextureFormat::R16Float, |level, at| self.halves(level, at))
+    }
+
+    /// Uploads atlas and index, where `brick` tells the texels of a brick of a level, x fastest.
+    pub(super) fn upload_as(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        brick: impl Fn(u32, IVec3) -> Vec<f16> + Sync,
+    ) -> VolumeTextures {
+        let numbered = |i: usize| brick(self.stored[i].0, self.stored[i].1);
         VolumeTextures {
-            atlas: atlas(device, queue, &[self]),
+            atlas: fill_atlas(device, queue, format, self.stored.len(), numbered),
             index: gpu::storage_buffer(device, "volume index", &self.index),
         }
     }
 
     /// The texels of a brick as shares of the greatest value, x fastest.
-    fn halves(&self, level: u32, at: IVec3) -> Vec<f16> {
+    pub(super) fn halves(&self, level: u32, at: IVec3) -> Vec<f16> {
         let scale = 1.0 / self.most;
         texels(&self.levels[level as usize].blocks, at)
             .into_iter()
@@ -236,30 +255,42 @@ pub(crate) fn slots_of(all: &[&Bricks]) -> UVec3 {
 
 /// The common atlas of the bricks of some grids.
 pub(crate) fn atlas(device: &wgpu::Device, queue: &wgpu::Queue, all: &[&Bricks]) -> wgpu::TextureView {
-    let slots = slots_of(all);
-    let size = slots * CORNERS;
-    let desc = TextureDesc {
-        label: "volume atlas",
-        size: size.to_array(),
-        mips: 1,
-        format: wgpu::TextureFormat::R16Float,
-        usage: wgpu::TextureUsages::empty(),
-    };
-    let atlas = gpu::texture(device, &desc);
     let stored: Vec<_> = all.iter().flat_map(|of| of.stored.iter().map(move |brick| (*of, *brick))).collect();
-    let (row, edge) = (slots.x as usize, CORNERS as usize);
+    let brick = |i: usize| {
+        let (of, (level, at)) = stored[i];
+        of.halves(level, at)
+    };
+    fill_atlas(device, queue, wgpu::TextureFormat::R16Float, stored.len(), brick)
+}
+
+/// An atlas of `count` bricks in texels of `format`; `brick` tells those of each by its number, x fastest.
+fn fill_atlas(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    format: wgpu::TextureFormat,
+    count: usize,
+    brick: impl Fn(usize) -> Vec<f16> + Sync,
+) -> wgpu::TextureView {
+    let slots = slots(count);
+    let size = slots * CORNERS;
+    let channels = u32::from(format.components());
+    let (label, usage) = ("volume atlas", wgpu::TextureUsages::empty());
+    let desc = TextureDesc { label, size: size.to_array(), mips: 1, format, usage };
+    let atlas = gpu::texture(device, &desc);
+    let (row, rows) = (slots.x as usize, CORNERS as usize);
+    let edge = rows * channels as usize;
     // A row of bricks at a time: what is under way stays small.
-    for (number, some) in stored.chunks(row).enumerate() {
-        let bricks: Vec<_> = some.par_iter().map(|(of, (level, at))| of.halves(*level, *at)).collect();
+    for first in (0..count).step_by(row) {
+        let bricks: Vec<_> = (first..count.min(first + row)).into_par_iter().map(&brick).collect();
         let width = row * edge;
-        let mut texels = vec![f16::ZERO; width * edge * edge];
+        let mut texels = vec![f16::ZERO; width * rows * rows];
         for (i, brick) in bricks.iter().enumerate() {
             for (line, values) in brick.chunks_exact(edge).enumerate() {
                 let at = line * width + i * edge;
                 texels[at..at + edge].copy_from_slice(values);
             }
         }
-        let number = number as u32;
+        let number = (first / row) as u32;
         let origin =
             wgpu::Origin3d { x: 0, y: CORNERS * (number % slots.y), z: CORNERS * (number / slots.y) };
         queue.write_texture(
@@ -267,7 +298,7 @@ pub(crate) fn atlas(device: &wgpu::Device, queue: &wgpu::Queue, all: &[&Bricks])
             bytemuck::cast_slice(&texels),
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(2 * size.x),
+                bytes_per_row: Some(2 * channels * size.x),
                 rows_per_image: Some(CORNERS),
             },
             wgpu::Extent3d { width: size.x, height: CORNERS, depth_or_array_layers: CORNERS },
@@ -296,7 +327,7 @@ fn slots(count: usize) -> UVec3 {
 }
 
 /// The corners of the cells of a brick, x fastest.
-fn texels(blocks: &Blocks, brick: IVec3) -> [f32; TEXELS] {
+pub(super) fn texels(blocks: &Blocks, brick: IVec3) -> [f32; TEXELS] {
     let edge = CELLS as i32;
     let near: [_; 8] = std::array::from_fn(|i| {
         let i = i as i32;

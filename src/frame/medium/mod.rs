@@ -9,6 +9,7 @@ mod ellipsoids;
 mod layer;
 mod layer_tile;
 mod mixed;
+mod mixture;
 mod noise;
 mod species;
 mod volume;

@@ -1,7 +1,10 @@
 //! A species: a kind of particles as the shaders take it, a few numbers and a table of the phase
 //! function split into its forward peak and the rest.
 
-use std::sync::{Mutex, PoisonError};
+use std::{
+    f64::consts::PI,
+    sync::{Mutex, PoisonError},
+};
 
 use half::f16;
 use rayon::prelude::*;
@@ -15,7 +18,7 @@ use crate::{
         phase::{Phase, angle_at},
         slab::{Medium, angles::legendre_polynomials, axes::path_at, moments},
     },
-    scene::Droplets,
+    scene::{self, Droplets},
 };
 
 /// Texels of the phase table along the scattering angle; `phase_coordinate` of
@@ -71,9 +74,10 @@ pub(crate) struct Species {
 const REMAINDER: [usize; 2] = [256, 48];
 
 /// How many moments of a phase function the remainder is made of: droplets without their peak
-/// have none to speak of after 64, and Henyey-Greenstein's are powers of g.
-fn degree(phase: &Phase) -> usize {
+/// have none to speak of after 64, bows and halos some, and Henyey-Greenstein's are powers of g.
+fn degree(phase: &Phase, droplets: &Droplets) -> usize {
     match phase {
+        Phase::Tabulated(_) if droplets.species != scene::Species::Water => 200,
         Phase::HenyeyGreenstein { g } => (1e-3_f64.ln() / g.abs().max(0.1).ln()).clamp(8.0, 400.0) as usize,
         Phase::Isotropic => 8,
         Phase::Tabulated(_) => 64,
@@ -92,7 +96,7 @@ const MOST_KNOWN: usize = 32;
 impl Species {
     /// The optics of `droplets`, the same every time, however many of them there are.
     pub fn of(droplets: &Droplets) -> Result<Shared<Self>> {
-        let droplets = &Droplets { concentration_per_cm3: 0.0, ..droplets.clone() };
+        let droplets = &Droplets { concentration_per_cm3: 0.0, mass_g_per_m3: None, ..droplets.clone() };
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, optics)) = known.iter().find(|(other, _)| other == droplets) {
             return Ok(optics.clone());
@@ -108,11 +112,20 @@ impl Species {
         let truncated = droplets.albedo * chopped.f;
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - truncated);
         let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
+        let is_sharp = droplets.species != scene::Species::Water;
         let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
-            let texel = |theta| rgb([0, 1, 2].map(|channel| value(channel, theta)));
+            let texel = |theta| {
+                rgb([0, 1, 2].map(|channel| {
+                    if is_sharp {
+                        over_disc(|theta| value(channel, theta), theta)
+                    } else {
+                        value(channel, theta)
+                    }
+                }))
+            };
             angles(ANGLES).map(texel).collect()
         };
-        let degree = degree(chopped.phase());
+        let degree = degree(chopped.phase(), droplets);
         let media =
             Medium::of_channels(|theta| [0, 1, 2].map(|channel| chopped.wide(channel, theta)), degree);
         let tables = Remainders::new(degree);
@@ -223,6 +236,30 @@ fn series(terms: &[Vec<f64>; 3], polynomials: &[f64]) -> [f64; 3] {
     sums
 }
 
+/// Angular radius of the sun's disc as it is seen from the earth, rad.
+const SUN: f64 = 0.004_65;
+
+/// The mean of a function of the scattering angle over the sun's disc, whose middle is seen at `theta`, rad: what large
+/// particles scatter changes over angles that are finer than the disc, around the sun, at bows and halos. The path tracer
+/// does the same with points of the disc by chance.
+///
+/// Of each ring of scattering angles counts the arc that is in the disc; rings are densest at the least angle, where
+/// diffraction may be narrower than a minute of arc.
+fn over_disc(value: impl Fn(f64) -> f64, theta: f64) -> f64 {
+    let count = if theta < 4.0 * SUN { 192 } else { 48 };
+    let (low, high) = ((theta - SUN).max(0.0), (theta + SUN).min(PI));
+    let (mut sum, mut whole) = (0.0, 0.0);
+    for i in 0..count {
+        let share = (f64::from(i) + 0.5) / f64::from(count);
+        let angle = low + (high - low) * share * share;
+        let arc = (SUN.cos() - theta.cos() * angle.cos()) / (theta.sin() * angle.sin()).max(1e-30);
+        let weight = share * angle.sin() * arc.clamp(-1.0, 1.0).acos();
+        sum += weight * value(angle);
+        whole += weight;
+    }
+    sum / whole
+}
+
 /// Scattering angles, rad, of the columns of a table that is `columns` wide.
 fn angles(columns: usize) -> impl Iterator<Item = f64> {
     (0..columns).map(move |i| angle_at((i as f64 + 0.5) / columns as f64))
@@ -245,9 +282,29 @@ mod tests {
     }
 
     #[test]
+    fn the_suns_disc_keeps_all_light_and_what_goes_evenly() {
+        for theta in [0.0, 0.001, 0.0046, 0.02, 0.4, 2.4, PI - 0.003, PI] {
+            assert!((over_disc(|_| 3.0, theta) - 3.0).abs() < 1e-12, "{theta}");
+        }
+        assert!((over_disc(f64::cos, 1.0) / 1.0_f64.cos() - 1.0).abs() < 2e-5);
+        // A peak far narrower than the disc fills it evenly: with all its light, and none outside.
+        let narrow = 1e-4;
+        let peak = |theta: f64| (-0.5 * (theta / narrow).powi(2)).exp() / (2.0 * PI * narrow * narrow);
+        let disc = 1.0 / (PI * SUN * SUN);
+        for theta in [0.0, 0.002, 0.004] {
+            assert!(
+                (over_disc(peak, theta) / disc - 1.0).abs() < 0.02,
+                "{theta}: {}",
+                over_disc(peak, theta) / disc
+            );
+        }
+        assert!(over_disc(peak, 0.006) < 1e-6 * disc);
+    }
+
+    #[test]
     fn clouds_of_more_and_fewer_droplets_share_their_optics() {
         let of = |concentration_per_cm3, albedo| {
-            let phase = crate::scene::Phase::Isotropic;
+            let phase = scene::Phase::Isotropic;
             Species::of(&Droplets { concentration_per_cm3, albedo, phase, ..Droplets::default() }).unwrap()
         };
         assert!(of(1.0, 1.0).is(&of(400.0, 1.0)));

@@ -34,7 +34,9 @@ pub struct VolumeUniform {
     pub(crate) voxel: f32,
     pub(crate) count: u32,
     pub(crate) widest: f32,
-    padding: [f32; 3],
+    /// 1 where a texel holds several fields, else 0.
+    pub(crate) mixed: u32,
+    padding: [f32; 2],
     pub(crate) levels: [[u32; 4]; LEVELS],
 }
 
@@ -77,7 +79,8 @@ impl VolumeShape {
             voxel: voxel.into_iter().fold(f64::INFINITY, f64::min) as f32,
             count: bricks.levels(),
             widest: voxel.into_iter().fold(0.0, f64::max) as f32,
-            padding: [0.0; 3],
+            mixed: 0,
+            padding: [0.0; 2],
             levels: bricks.table(),
         };
         let (low, high) = volume.bounds().unwrap_or_default();
@@ -87,6 +90,22 @@ impl VolumeShape {
     /// The box around it, in its frame, m.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
+    }
+
+    /// One of these bricks, whose box is `bounds`, m.
+    pub(super) fn new_of(bricks: Shared<Bricks>, uniform: VolumeUniform, bounds: (Vec3, Vec3)) -> Self {
+        Self { bricks, uniform, bounds }
+    }
+
+    /// Its uniform with other bricks on the same grid.
+    pub(super) fn uniform_of(&self, bricks: &Bricks) -> VolumeUniform {
+        VolumeUniform {
+            texel: bricks.texel(),
+            slots: [bricks.slots().x, bricks.slots().y],
+            count: bricks.levels(),
+            levels: bricks.table(),
+            ..self.uniform
+        }
     }
 
     /// The part of a box in its frame that its bricks may be in.

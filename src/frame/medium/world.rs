@@ -6,6 +6,7 @@ use super::{
     BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Medium, Species, VOLUME,
     VolumeShape,
     mixed::{MIXED, MOST_LAYERS, MOST_VOLUMES, Mixed},
+    mixture::Fields,
     upload_noise,
 };
 use crate::{
@@ -26,6 +27,8 @@ pub(crate) struct World {
     pub bodies: Vec<BodyUniform>,
     pub layers: Vec<Part<LayerShape>>,
     pub volumes: Vec<Part<VolumeShape>>,
+    /// What the only volume is a mixture of, by body.
+    pub fields: Option<Fields>,
 }
 
 /// A layer or a volume.
@@ -62,6 +65,9 @@ impl World {
         {
             return Self::of_volume(cloud, volume);
         }
+        if let Some((volume, fields)) = mixture(frame) {
+            return Self::of_mixture(frame, volume, fields);
+        }
         let (low, high) = frame.bounds().unwrap_or_default();
         let mut world = Self::empty(0.5 * (low + high));
         for cloud in &frame.clouds {
@@ -80,7 +86,8 @@ impl World {
 
     fn empty(origin: DVec3) -> Self {
         let (ellipsoids, species, bodies) = Default::default();
-        Self { origin, ellipsoids, species, bodies, layers: Vec::new(), volumes: Vec::new() }
+        let (layers, volumes) = Default::default();
+        Self { origin, ellipsoids, species, bodies, layers, volumes, fields: None }
     }
 
     fn of_volume(cloud: &CloudFrame, volume: &VolumeShape) -> Self {
@@ -88,6 +95,20 @@ impl World {
         let part = world.part(cloud, volume.clone());
         world.volumes.push(part);
         world.ellipsoids.clone_from(&cloud.medium.ellipsoids);
+        world
+    }
+
+    /// Several volumes on one grid: a body each, in the frame of the first.
+    fn of_mixture(frame: &Frame, volume: VolumeShape, fields: Fields) -> Self {
+        let mut world = Self::empty(frame.clouds[0].origin);
+        for cloud in &frame.clouds {
+            let (offset, body) = (cloud.origin - world.origin, world.bodies.len() as u32);
+            world.ellipsoids.extend(cloud.medium.moved(offset, body));
+            let table = cloud.medium.species_among(&mut world.species);
+            world.bodies.push(cloud.medium.body_at(offset, table));
+        }
+        world.volumes.push(Part { shape: volume, origin: Vec3::ZERO, body: 0 });
+        world.fields = Some(fields);
         world
     }
 
@@ -100,9 +121,9 @@ impl World {
         Part { shape, origin, body }
     }
 
-    /// Whether there is nothing but a layer, or nothing but a volume.
+    /// Whether there is nothing but a layer, or nothing but a volume or a mixture.
     pub fn is_alone(&self) -> bool {
-        self.bodies.len() == 1
+        self.bodies.len() == 1 || self.fields.is_some()
     }
 
     /// Refuses frames that hold more than there is room for.
@@ -125,13 +146,13 @@ impl World {
     /// Refuses frames with a volume among other clouds: `done` says what is done to the clouds.
     ///
     /// # Errors
-    /// [`Error::Argument`] where there is one.
+    /// [`Error::Argument`] where there is one, but for volumes that lie on one grid.
     pub fn check_volumes(frame: &Frame, done: &str) -> Result<()> {
         let volumes = frame.clouds.iter().filter(|cloud| cloud.medium.volume.is_some()).count();
-        if volumes > 0 && frame.clouds.len() > 1 {
+        if volumes > 0 && frame.clouds.len() > 1 && mixture(frame).is_none() {
             return Err(Error::Argument(format!(
-                "a volume is {done} only by itself, and the scene shows {volumes} of them among {} clouds: hide all but one \
-                 volume, or the volumes",
+                "a volume is {done} only by itself or with up to three others on the same grid, and the scene shows {volumes} of \
+                 them among {} clouds: hide all but one volume, or the volumes",
                 frame.clouds.len()
             )));
         }
@@ -158,9 +179,18 @@ impl World {
                 common.bind_layer(device, layout, &shape.uniform, &shape.tile.upload(device, queue))
             }
             (_, [Part { shape, .. }]) if self.is_alone() => {
-                common.bind_volume(device, layout, &shape.uniform, &shape.bricks.upload(device, queue))
+                let textures = match &self.fields {
+                    Some(fields) => fields.upload(&shape.bricks, device, queue),
+                    None => shape.bricks.upload(device, queue),
+                };
+                common.bind_volume(device, layout, &shape.uniform, &textures)
             }
             _ => common.bind_mixed(device, layout, &self.ellipsoids, &Mixed::new(gpu, self)),
         }
     }
+}
+
+/// The volumes of a frame where there are several, on one grid, and nothing else.
+fn mixture(frame: &Frame) -> Option<(VolumeShape, Fields)> {
+    (frame.clouds.len() > 1).then(|| VolumeShape::mixed(&frame.clouds))?
 }

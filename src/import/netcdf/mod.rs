@@ -6,12 +6,17 @@ mod wrf;
 use netcdf_reader::{NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem};
 
 use super::{bytes::Problem, volume::Found};
-use crate::scene::Grid;
+use crate::scene::{Grid, Species};
 
 /// What files begin with: the classic formats, and HDF5.
 const HEADS: [&[u8]; 2] = [b"CDF", b"\x89HDF\r\n\x1a\n"];
 /// Most bytes that one variable may take, unpacked.
 const MOST_BYTES: usize = 1 << 31;
+
+/// What a grid of a weather model is made of, by its name, and the effective radius, um, that its extinction stands on.
+pub fn species_of(grid: &str) -> Option<(Species, f64)> {
+    wrf::KINDS.iter().find(|(name, ..)| *name == grid).map(|(_, species, radius_um)| (*species, *radius_um))
+}
 
 pub(super) fn is_one(bytes: &[u8]) -> bool {
     HEADS.iter().any(|head| bytes.starts_with(head))

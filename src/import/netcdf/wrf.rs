@@ -6,18 +6,16 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::{super::bytes::Problem, Field, Grid, Source, column};
+use crate::scene::Species;
 
-/// Kinds of water: WRF's name, density of what it is made of, kg/m^3, and effective radius, m, where the model tells
-/// none: droplets, rain, ice, snow, graupel.
-const KINDS: [(&str, f64, f64); 5] = [
-    ("QCLOUD", 1000.0, 10e-6),
-    ("QRAIN", 1000.0, 500e-6),
-    ("QICE", 917.0, 40e-6),
-    ("QSNOW", 100.0, 250e-6),
-    ("QGRAUP", 400.0, 1e-3),
+/// Kinds of water: WRF's name, what it is, and its effective radius, um.
+pub(super) const KINDS: [(&str, Species, f64); 5] = [
+    ("QCLOUD", Species::Water, 10.0),
+    ("QRAIN", Species::Rain, 500.0),
+    ("QICE", Species::Ice, 40.0),
+    ("QSNOW", Species::Snow, 250.0),
+    ("QGRAUP", Species::Graupel, 1000.0),
 ];
-/// Extinction efficiency of what is large beside the wavelength.
-const EFFICIENCY: f64 = 2.0;
 /// m/s^2, as WRF has it.
 const GRAVITY: f64 = 9.81;
 /// Of dry air, J/(kg K), and over the heat capacity at constant pressure.
@@ -115,8 +113,9 @@ impl Weather {
     fn extinction(&self, kinds: &[&str], cell: usize) -> f64 {
         let of = |(name, ratio): &(&str, Vec<f64>)| {
             let kind = KINDS.iter().find(|(known, ..)| known == name && kinds.contains(name));
-            let (_, density, radius) = kind.copied().unwrap_or(("", 1.0, f64::INFINITY));
-            0.75 * EFFICIENCY * ratio[cell] * self.air[cell] / (density * radius)
+            kind.map_or(0.0, |(_, species, radius_um)| {
+                species.extinction_of_mass(ratio[cell] * self.air[cell], 1e-6 * radius_um)
+            })
         };
         self.water.iter().map(of).sum()
     }

@@ -3,7 +3,9 @@
 use glam::DVec3;
 
 use super::{Preset, camera};
-use crate::scene::{Camera, Cloud, Droplets, Edge, Layer, Noise, Phase, Projection, Scene};
+use crate::scene::{
+    Camera, Cloud, Droplets, Edge, Layer, Noise, Phase, Projection, Scene, Species, SunPosition,
+};
 
 /// Asymmetry of the light that ice scatters; crystals have no glory.
 const ICE: Phase = Phase::HenyeyGreenstein { g: 0.8 };
@@ -104,12 +106,12 @@ fn mackerel() -> Make {
     (layer, water(45.0, 8.0), edge(60.0, 0.6))
 }
 
-/// A veil of ice that hardly dims the sun, optical depth 0.6.
+/// A veil of ice that hardly dims the sun, optical depth 0.6: columns of 40 um, 0.02 g in each cubic metre.
 fn cirrostratus() -> Make {
     let layer = Layer {
         base: 8000.0,
         thickness: 800.0,
-        coverage: 0.97,
+        coverage: 1.0,
         scale: 9000.0,
         stretch: 4.0,
         heading_deg: 80.0,
@@ -118,7 +120,7 @@ fn cirrostratus() -> Make {
         bulge: 0.4,
         ..Layer::default()
     };
-    (layer, ice(0.4), edge(400.0, 1.0))
+    (layer, Droplets::of_mass(Species::Ice, 0.0245), edge(400.0, 1.0))
 }
 
 /// Streaks of ice along the shear of the wind, optical depth up to 0.8.
@@ -144,5 +146,15 @@ pub(super) fn look_up(scene: &mut Scene) {
     scene.camera = Some(Camera {
         projection: Projection::Perspective { vertical_fov_deg: 60.0 },
         ..camera(eye, eye + DVec3::new(0.0, 420.0, -1000.0))
+    });
+}
+
+/// Up to the sun, wide enough for the halo of 22 degrees around it.
+pub(super) fn look_at_the_halo(scene: &mut Scene) {
+    scene.sun.position = SunPosition::Angles { azimuth_deg: 180.0, elevation_deg: 28.0 };
+    let eye = DVec3::new(0.0, scene.ground.altitude + 1.7, 0.0);
+    scene.camera = Some(Camera {
+        projection: Projection::Perspective { vertical_fov_deg: 65.0 },
+        ..camera(eye, eye + DVec3::new(0.0, 480.0, 1000.0))
     });
 }

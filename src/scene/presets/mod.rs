@@ -6,6 +6,7 @@ mod field;
 mod grow;
 mod heap;
 mod layer;
+mod shower;
 #[cfg(feature = "measure")]
 pub(crate) mod smooth;
 mod weather;
@@ -65,15 +66,17 @@ pub enum Preset {
     Altocumulus,
     /// A mackerel sky: ripples of thin cloud in rows.
     Mackerel,
-    /// A veil of ice high up.
+    /// A veil of ice high up, with a halo around the sun.
     Cirrostratus,
     /// Streaks of ice along the shear of the wind.
     Cirrus,
+    /// A shower under a towering cumulus, the sun behind the camera: a rainbow.
+    Shower,
 }
 
 impl Preset {
     /// All presets, in the order of their documentation.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Humilis,
         Self::Mediocris,
         Self::Congestus,
@@ -93,6 +96,7 @@ impl Preset {
         Self::Mackerel,
         Self::Cirrostratus,
         Self::Cirrus,
+        Self::Shower,
     ];
 
     /// The name in kebab-case, as on the command line.
@@ -117,6 +121,7 @@ impl Preset {
             Self::Mackerel => "mackerel",
             Self::Cirrostratus => "cirrostratus",
             Self::Cirrus => "cirrus",
+            Self::Shower => "shower",
         }
     }
 
@@ -136,6 +141,8 @@ impl Preset {
             Self::Field => look_over_the_land(&mut scene),
             Self::Sphere => scene.wind = Wind::default(),
             Self::Drift => drift::set_in_motion(&mut scene),
+            Self::Shower => shower::look_at_the_bow(&mut scene),
+            Self::Cirrostratus => deck::look_at_the_halo(&mut scene),
             _ if scene.layers().next().is_some() => deck::look_up(&mut scene),
             _ => {}
         }
@@ -164,6 +171,7 @@ impl Preset {
             Self::Sphere => vec![sphere()],
             Self::Kol => vec![kol()],
             Self::Drift => drift::clouds(dice),
+            Self::Shower => shower::clouds(dice, seed),
             Self::Stratus
             | Self::Stratocumulus
             | Self::Altocumulus
