@@ -83,8 +83,7 @@ fn volume_at(number: u32, place: vec3f) -> Matter {
         if entry != VOLUME_EMPTY {
             let coordinate = volume_coordinate(volume, volume_number(entry), p - brick);
             let share = textureSampleLevel(volume_atlas, volume_sampler, coordinate, 0.0).r;
-            matter = volume_matter(volume, volume.extinction * share);
-            matter.body = mixed.volumes[number].body;
+            matter = volume_matter(volume, volume.extinction * share, mixed.volumes[number].body);
         }
     }
     return matter;

@@ -114,8 +114,8 @@ fn a_cloud_below_a_sheet_has_the_light_that_comes_through() {
         "alone {bright:.3}; below a sheet {mean:.3} rmse {error:.3}, light {:.3} of that alone",
         light / open
     );
-    assert!(light < 0.8 * open, "the sheet takes light");
-    assert!((0.6..1.1).contains(&mean), "{mean}");
+    // What the sheet scatters down is left out: in truth it is as much as the sheet takes.
+    assert!((0.75..0.95).contains(&mean), "{mean}");
 }
 
 #[test]
