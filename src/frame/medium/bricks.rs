@@ -14,15 +14,16 @@ use glam::{IVec3, UVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
+use super::atlas::{VolumeTextures, fill_atlas, slots, texel_of};
 use crate::{
     frame::Shared,
-    gpu::{self, TextureDesc},
+    gpu,
     scene::{Grid, Volume, voxel},
 };
 
 /// Cells along the edge of a brick, its corners, and levels: `shaders/lib/volume.wgsl`.
 pub(crate) const CELLS: u32 = 8;
-const CORNERS: u32 = CELLS + 1;
+pub(super) const CORNERS: u32 = CELLS + 1;
 pub(crate) const LEVELS: usize = 8;
 /// Texels of a brick.
 const TEXELS: usize = (CORNERS * CORNERS * CORNERS) as usize;
@@ -30,6 +31,7 @@ const TEXELS: usize = (CORNERS * CORNERS * CORNERS) as usize;
 const MOST_BRICKS: usize = 1 << 19;
 /// Most entries of an index: 128 MiB of them.
 const MOST_ENTRIES: u32 = 1 << 25;
+
 /// Points of a level, in blocks of 8^3, z fastest, from its first brick on.
 pub(super) type Blocks = HashMap<[i32; 3], Box<[f32; 512]>>;
 
@@ -49,9 +51,9 @@ pub(crate) struct Bricks {
     /// Number of the voxel at the least corner of the first brick.
     base: IVec3,
     levels: Vec<Level>,
-    index: Vec<u32>,
+    pub(super) index: Vec<u32>,
     /// Level and place of each brick.
-    stored: Vec<(u32, IVec3)>,
+    pub(super) stored: Vec<(u32, IVec3)>,
     /// The greatest value.
     pub(super) most: f32,
 }
@@ -233,97 +235,6 @@ impl Bricks {
             .map(|v| f16::from_f32(scale * v))
             .collect()
     }
-}
-
-/// The index of the bricks of some grids, one after the other: where that of each begins, and its entries, which number
-/// bricks in the atlas of all.
-pub(crate) fn index_of(all: &[&Bricks]) -> (Vec<u32>, Vec<u32>) {
-    let (mut firsts, mut entries, mut before) = (Vec::new(), Vec::new(), 0);
-    for bricks in all {
-        firsts.push(entries.len() as u32);
-        let own = bricks.index.iter();
-        entries.extend(own.map(|&entry| if entry == 0 { 0 } else { entry + before }));
-        before += bricks.stored.len() as u32;
-    }
-    (firsts, entries)
-}
-
-/// How many bricks of some grids their common atlas has along each axis.
-pub(crate) fn slots_of(all: &[&Bricks]) -> UVec3 {
-    slots(all.iter().map(|bricks| bricks.stored.len()).sum())
-}
-
-/// The common atlas of the bricks of some grids.
-pub(crate) fn atlas(device: &wgpu::Device, queue: &wgpu::Queue, all: &[&Bricks]) -> wgpu::TextureView {
-    let stored: Vec<_> = all.iter().flat_map(|of| of.stored.iter().map(move |brick| (*of, *brick))).collect();
-    let brick = |i: usize| {
-        let (of, (level, at)) = stored[i];
-        of.halves(level, at)
-    };
-    fill_atlas(device, queue, wgpu::TextureFormat::R16Float, stored.len(), brick)
-}
-
-/// An atlas of `count` bricks in texels of `format`; `brick` tells those of each by its number, x fastest.
-fn fill_atlas(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    format: wgpu::TextureFormat,
-    count: usize,
-    brick: impl Fn(usize) -> Vec<f16> + Sync,
-) -> wgpu::TextureView {
-    let slots = slots(count);
-    let size = slots * CORNERS;
-    let channels = u32::from(format.components());
-    let (label, usage) = ("volume atlas", wgpu::TextureUsages::empty());
-    let desc = TextureDesc { label, size: size.to_array(), mips: 1, format, usage };
-    let atlas = gpu::texture(device, &desc);
-    let (row, rows) = (slots.x as usize, CORNERS as usize);
-    let edge = rows * channels as usize;
-    // A row of bricks at a time: what is under way stays small.
-    for first in (0..count).step_by(row) {
-        let bricks: Vec<_> = (first..count.min(first + row)).into_par_iter().map(&brick).collect();
-        let width = row * edge;
-        let mut texels = vec![f16::ZERO; width * rows * rows];
-        for (i, brick) in bricks.iter().enumerate() {
-            for (line, values) in brick.chunks_exact(edge).enumerate() {
-                let at = line * width + i * edge;
-                texels[at..at + edge].copy_from_slice(values);
-            }
-        }
-        let number = (first / row) as u32;
-        let origin =
-            wgpu::Origin3d { x: 0, y: CORNERS * (number % slots.y), z: CORNERS * (number / slots.y) };
-        queue.write_texture(
-            wgpu::TexelCopyTextureInfo { origin, ..atlas.as_image_copy() },
-            bytemuck::cast_slice(&texels),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(2 * channels * size.x),
-                rows_per_image: Some(CORNERS),
-            },
-            wgpu::Extent3d { width: size.x, height: CORNERS, depth_or_array_layers: CORNERS },
-        );
-    }
-    gpu::view(&atlas)
-}
-
-/// A volume on a device.
-#[derive(Clone)]
-pub(crate) struct VolumeTextures {
-    pub atlas: wgpu::TextureView,
-    pub index: wgpu::Buffer,
-}
-
-/// A texel's share of an atlas of so many bricks along each axis.
-pub(crate) fn texel_of(slots: UVec3) -> Vec3 {
-    (slots * CORNERS).as_vec3().recip()
-}
-
-/// How many bricks an atlas has along each axis, for at least `count`.
-fn slots(count: usize) -> UVec3 {
-    let count = count.max(1) as u32;
-    let edge = f64::from(count).cbrt().ceil() as u32;
-    UVec3::new(edge, edge, count.div_ceil(edge * edge))
 }
 
 /// The corners of the cells of a brick, x fastest.

@@ -4,7 +4,7 @@ use glam::{UVec3, Vec3};
 
 use super::{
     LayerUniform, VolumeUniform,
-    bricks::{atlas, index_of, slots_of},
+    atlas::{atlas, index_of, slots_of, texel_of},
     layer_tile::fields,
     world::{Part, World},
 };
@@ -121,7 +121,7 @@ impl VolumeUniform {
     /// The same with its bricks among those of others, in an atlas of `slots`, and its index from `first` on.
     fn in_atlas(mut self, slots: UVec3, first: u32) -> Self {
         self.slots = [slots.x, slots.y];
-        self.texel = super::bricks::texel_of(slots);
+        self.texel = texel_of(slots);
         self.levels.iter_mut().for_each(|level| level[3] += first);
         self
     }

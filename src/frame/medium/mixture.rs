@@ -7,7 +7,8 @@ use glam::{DAffine3, DVec3, IVec3, Vec3};
 use half::f16;
 
 use super::{
-    bricks::{Blocks, Bricks, CELLS, VolumeTextures, texels},
+    atlas::VolumeTextures,
+    bricks::{Blocks, Bricks, CELLS, texels},
     volume::VolumeShape,
 };
 use crate::{

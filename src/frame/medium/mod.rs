@@ -2,6 +2,7 @@
 //! truth and exports ask modules of `shaders/medium`: all of them the ellipsoids, and preview and light of
 //! large heaps the volume of depths that is baked from those.
 
+mod atlas;
 mod body;
 mod bricks;
 mod depth_volume;
@@ -19,8 +20,9 @@ use std::hash::{DefaultHasher, Hasher};
 
 use glam::DVec3;
 
+pub(crate) use atlas::VolumeTextures;
 pub(crate) use body::BodyUniform;
-pub(crate) use bricks::{Bricks as VolumeBricks, VolumeTextures};
+pub(crate) use bricks::Bricks as VolumeBricks;
 #[cfg(test)]
 pub(crate) use bricks::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
 #[cfg(test)]
