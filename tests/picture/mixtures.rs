@@ -7,13 +7,12 @@ use crate::common;
 
 use common::{
     gpu,
-    truth::{Measured, assert_agree, mean, trace, tracer},
+    truth::{Measured, assert_agree, mean, opacity, trace},
 };
 use glam::{DAffine3, DVec3};
 use nephos::{
     optics::phase::Phase,
-    reference::PathOptions,
-    render::Frame,
+    render::{Frame, VoxelGrid, Voxels},
     scene::{Camera, Cloud, Droplets, Grid, Projection, Scene, Sky, Species, Sun, SunPosition, Volume},
 };
 
@@ -94,14 +93,16 @@ fn a_thin_mixture_scatters_by_its_shares_at_each_point() {
 }
 
 #[test]
-fn volumes_on_other_grids_are_refused_together() {
+fn volumes_on_other_grids_dim_one_another_and_are_not_written_together() {
     let even = grid(|_| 1.0);
-    let mut aside = cloud(Species::Rain, 0.02, &even);
-    aside.volume.as_mut().unwrap().place.x += 5.0;
-    let scene = seen(vec![cloud(Species::Water, 0.02, &even), aside], 70.0, 120.0);
+    let mut behind = cloud(Species::Rain, 0.002, &even);
+    behind.volume.as_mut().unwrap().place.z -= 405.0;
+    let scene = seen(vec![cloud(Species::Water, 0.003, &even), behind], 70.0, 20.0);
+    let found = opacity(&trace(&scene, [8; 2], 300));
+    let wanted = 1.0 - (-160.0 * 0.005f64).exp();
+    assert!((found - wanted).abs() < 0.015, "{found} for {wanted}");
     let frame = Frame::new(&scene, [8; 2]).unwrap();
-    let refused = nephos::reference::PathTracer::new(gpu(), &frame, 1).err().unwrap().to_string();
+    let written = Voxels::sample(gpu(), &frame, VoxelGrid::new(20.0), &mut |_| ());
+    let refused = written.err().unwrap().to_string();
     assert!(refused.contains("on the same grid") && refused.contains("hide"), "{refused}");
-    let alone = seen(vec![cloud(Species::Water, 0.02, &even)], 70.0, 120.0);
-    tracer(&alone, [8; 2], &PathOptions::default());
 }
