@@ -173,8 +173,8 @@ fn free_paths() -> Vec<u32> {
     let device = &gpu().device;
     let program =
         ComputeProgram::from_source(device, "free paths", gpu::link(&source, &nephos::frame::MEDIA[..1]));
-    // Members of `Scene` that tracking reads: the cells' corner, edge and number.
-    let mut scene = [0u32; 28];
+    // Members of `Scene` that tracking reads: corner, edge and number of the first grid's cells.
+    let mut scene = [0u32; 80];
     scene[..7].copy_from_slice(
         &[0.0f32, -25.0, -25.0, 50.0].map(f32::to_bits).iter().copied().chain([8, 1, 1]).collect::<Vec<_>>(),
     );
