@@ -49,5 +49,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         sides += diffuse_conductance(g, depth) / f32(SIDES);
     }
     let beside = diffuse_depth(g, sides);
-    textureStore(volume, id, vec4f(min(vec3f(above, below, beside), vec3f(30000.0)), 0.0));
+    textureStore(volume, id, vec4f(min(vec3f(above, below, beside), vec3f(LIGHT_BOX_MOST)), 0.0));
 }

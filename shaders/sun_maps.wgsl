@@ -16,9 +16,6 @@
 // Whether the map is wanted.
 override MAPPED: bool = true;
 
-// Largest optical depth worth telling: half floats hold it, no light survives it.
-const MOST: f32 = 30000.0;
-
 // Samples in each voxel of a column.
 const SAMPLES: u32 = 4u;
 
@@ -57,10 +54,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 middle = select(middle, optical_depth, i == SAMPLES / 2u - 1u);
             }
         }
-        let alone = min(middle, MOST);
+        let alone = min(middle, LIGHT_BOX_MOST);
         textureStore(volume, vec3u(id.xy, z), vec4f(alone, 0.0, alone, 0.0));
     }
     if MAPPED {
-        textureStore(depths, id.xy, column_map(front, back, optical_depth, MOST));
+        textureStore(depths, id.xy, column_map(front, back, optical_depth, LIGHT_BOX_MOST));
     }
 }

@@ -14,9 +14,6 @@
 // Whether this is the first other cloud: what was known of shadows before is left out.
 override FIRST: bool = true;
 
-// As in `sun_maps`.
-const MOST: f32 = 30000.0;
-
 // What is known of a voxel: optical depth to the sun, the part of it in shadow, that of the cloud alone.
 fn known_at(voxel: vec3u) -> vec3f {
     let known = textureLoad(before, voxel, 0).rgb;
@@ -48,6 +45,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let thickness = max(now - passed, vec2f(0.0));
         depth += max(thickness.x, thickness.y);
         passed = now;
-        textureStore(volume, vec3u(id.xy, z), vec4f(min(vec3f(depth, shadow + above, known.b), vec3f(MOST)), 0.0));
+        let told = min(vec3f(depth, shadow + above, known.b), vec3f(LIGHT_BOX_MOST));
+        textureStore(volume, vec3u(id.xy, z), vec4f(told, 0.0));
     }
 }

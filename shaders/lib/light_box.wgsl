@@ -44,6 +44,9 @@ fn light_box_entered(uvw: vec3f, count: u32) -> f32 {
     return select(saturate(2.0 * f32(count) * uvw.z), 0.0, beside);
 }
 
+// Largest optical depth that a volume tells: half floats hold it, no light survives it.
+const LIGHT_BOX_MOST: f32 = 30000.0;
+
 // Edge of a brick, voxels: each brick has a list of the ellipsoids that reach into it.
 const BRICK: u32 = 8u;
 

@@ -3,12 +3,13 @@
 
 use glam::DVec3;
 
-use crate::frame::{CloudFrame, Frame, Shared, medium::Medium};
+use super::moment::Clouds;
+use crate::frame::{CloudFrame, Frame};
 
 /// Which clouds stand before each cloud of a frame, as it was last asked for.
 #[derive(Default)]
 pub(in crate::render) struct Occluders {
-    clouds: Vec<(DVec3, Shared<Medium>)>,
+    clouds: Clouds,
     to_sun: DVec3,
     lists: Vec<Vec<u32>>,
 }
@@ -16,14 +17,8 @@ pub(in crate::render) struct Occluders {
 impl Occluders {
     /// Those of `frame` in the light of its sun: found anew where clouds or sun have moved.
     pub fn find(&mut self, frame: &Frame) {
-        let same = |((origin, medium), cloud): (&(DVec3, Shared<Medium>), &CloudFrame)| {
-            *origin == cloud.origin && *medium == cloud.medium
-        };
-        let is_same = self.to_sun == frame.sun.to_sun
-            && self.clouds.len() == frame.clouds.len()
-            && self.clouds.iter().zip(&frame.clouds).all(same);
-        if !is_same {
-            self.clouds = frame.clouds.iter().map(|cloud| (cloud.origin, cloud.medium.clone())).collect();
+        if self.to_sun != frame.sun.to_sun || !self.clouds.are_of(frame) {
+            self.clouds = Clouds::of(frame);
             self.to_sun = frame.sun.to_sun;
             self.lists = occluders(&frame.clouds, -self.to_sun);
         }

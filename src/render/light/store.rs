@@ -125,7 +125,8 @@ impl LightStore {
     }
 
     /// Makes what the clouds lack of light by their `presence`, for `most` clouds: those first that have none or
-    /// the oldest. Each is in the shadow of those `before` it. `flush` may submit what is recorded so far, after each of them, and end it.
+    /// the oldest. Each is in the shadow of those `before` it. `flush` may submit what is recorded so
+    /// far, now and then, and end it.
     #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
     pub fn prepare(
         &mut self,
