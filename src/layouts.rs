@@ -197,6 +197,7 @@ fn constants_of_rust_and_shaders_agree() {
         ("compose", "TONE_SOFT", tone(ToneCurve::Soft)),
         ("compose", "TONE_LINEAR", tone(ToneCurve::Linear)),
         ("compose", "TONE_NATURAL", tone(ToneCurve::Natural)),
+        ("compose", "TONE_PHOTO", tone(ToneCurve::Photo)),
         ("resolve", "BEAUTY", shown(Shown::Beauty)),
         ("resolve", "LIGHT", shown(Shown::Light)),
         ("resolve", "TRANSMITTANCE", shown(Shown::Transmittance)),

@@ -34,21 +34,37 @@ fn natural_colour(brightest: f32, level: f32) -> f32 {
     return inverseSqrt(sqrt(1.0 + square * square));
 }
 
+// Luminance as IEC 61966-2-1 has it, and the brightest channel.
+fn natural_brightness(x: vec3f) -> f32 {
+    return 0.5 * (max(x.x, max(x.y, x.z)) + dot(x, vec3f(0.2126, 0.7152, 0.0722)));
+}
+
 fn natural(light: vec3f) -> vec3f {
     let x = max(light, vec3f(0.0));
     let brightest = max(x.x, max(x.y, x.z));
-    // Luminance as IEC 61966-2-1 has it.
-    let brightness = 0.5 * (brightest + dot(x, vec3f(0.2126, 0.7152, 0.0722)));
+    let brightness = natural_brightness(x);
     let level = natural_level(brightness);
     let scale = level / max(brightness, 1e-20);
     let kept = natural_colour(scale * brightest, level);
     return saturate(kept * scale * x + (1.0 - kept) * level);
 }
 
+// The same with the contrast of a photograph: brightness by a power, but where it is that of lit clouds. Light
+// scattered often lends clouds few shades of their own.
+const PHOTO_CONTRAST: f32 = 1.22;
+const PHOTO_STILL: f32 = 0.78;
+
+fn photo(light: vec3f) -> vec3f {
+    let x = max(light, vec3f(0.0));
+    let brightness = clamp(natural_brightness(x), 1e-20, 1e20);
+    return natural(pow(brightness / PHOTO_STILL, PHOTO_CONTRAST - 1.0) * x);
+}
+
 const TONE_FILMIC: u32 = 0u;
 const TONE_SOFT: u32 = 1u;
 const TONE_LINEAR: u32 = 2u;
 const TONE_NATURAL: u32 = 3u;
+const TONE_PHOTO: u32 = 4u;
 
 // Light to the screen's, 0 to 1, still linear.
 fn tone_curve(curve: u32, light: vec3f) -> vec3f {
@@ -56,7 +72,8 @@ fn tone_curve(curve: u32, light: vec3f) -> vec3f {
         case TONE_SOFT: { return soft(light); }
         case TONE_LINEAR: { return saturate(light); }
         case TONE_FILMIC: { return filmic(light); }
-        default: { return natural(light); }
+        case TONE_NATURAL: { return natural(light); }
+        default: { return photo(light); }
     }
 }
 

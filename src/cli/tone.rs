@@ -31,6 +31,8 @@ enum Switch {
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum ToneName {
+    /// Keeps hue and the texture of bright clouds, with the contrast of a photograph.
+    Photo,
     /// Keeps hue and the texture of bright clouds.
     Natural,
     /// Like film: more contrast in the middle, highlights roll off.
@@ -44,6 +46,7 @@ enum ToneName {
 impl From<ToneName> for ToneCurve {
     fn from(name: ToneName) -> Self {
         match name {
+            ToneName::Photo => Self::Photo,
             ToneName::Natural => Self::Natural,
             ToneName::Filmic => Self::Filmic,
             ToneName::Soft => Self::Soft,

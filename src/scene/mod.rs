@@ -125,7 +125,7 @@ pub struct Scene {
     /// `exposure` is 0 and has no track: who gives an exposure of their own means it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto_exposure: Option<bool>,
-    /// How light becomes what a screen shows: "natural", "filmic", "soft" or "linear"; "natural" where left out.
+    /// How light becomes what a screen shows: "photo", "natural", "filmic", "soft" or "linear"; "photo" where left out.
     #[serde(skip_serializing_if = "is_default")]
     pub tone_curve: ToneCurve,
     /// How the scene changes over time; left out where nothing but the wind moves.

@@ -15,8 +15,10 @@ pub enum ToneCurve {
     /// None: what is brighter than white is cut, for measuring and for other tools.
     Linear,
     /// Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.
-    #[default]
     Natural,
+    /// The same with the contrast of a photograph.
+    #[default]
+    Photo,
 }
 
 /// Exposure and curve of a picture for screens.

@@ -76,10 +76,20 @@ fn natural_colour(brightest: f64, level: f64) -> f64 {
     (1.0 + fitting.max(1e-4).powi(-4)).powf(-0.25)
 }
 
+fn natural_brightness(light: DVec3) -> f64 {
+    let luminance = light.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    0.5 * (luminance + light.max_element())
+}
+
+/// Brightness to the power of 1.22, where 0.78 stays.
+fn photo(light: DVec3) -> DVec3 {
+    let light = light.max(DVec3::ZERO);
+    natural(light * (natural_brightness(light) / 0.78).powf(0.22))
+}
+
 fn natural(light: DVec3) -> DVec3 {
     let light = light.max(DVec3::ZERO);
-    let luminance = light.dot(DVec3::new(0.2126, 0.7152, 0.0722));
-    let brightness = 0.5 * (luminance + light.max_element());
+    let brightness = natural_brightness(light);
     if brightness == 0.0 {
         return DVec3::ZERO;
     }
@@ -214,12 +224,25 @@ fn curves() -> Vec<Twin> {
         .over("all", light)
         // Channels that are added to grey: of a screen's white.
         .beside(1.0),
+        Twin::new("natural_brightness", "tonemap", "return vec4f(natural_brightness(x[0].xyz));", |x| {
+            one(natural_brightness(xyz(x[0])))
+        })
+        .edges(lights())
+        .over("all", light),
+        Twin::new("photo", "tonemap", "return vec4f(photo(x[0].xyz), 0.0);", |x| three(photo(xyz(x[0]))))
+            .edges(lights())
+            .over("all", light)
+            .beside(1.0),
         Twin::new(
             "tone_curve",
             "tonemap",
-            "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(2u, x[0].xxx).x,
-                tone_curve(3u, x[0].xxx).x);",
-            |x| [filmic(x[0][0]), soft(x[0][0]), x[0][0].min(1.0), natural_level(x[0][0])],
+            "return vec4f(tone_curve(0u, x[0].xxx).x, tone_curve(1u, x[0].xxx).x, tone_curve(3u, x[0].xxx).x,
+                tone_curve(4u, x[0].xxx).x) + 10.0 * tone_curve(2u, x[0].xxx).x;",
+            |x| {
+                let shown =
+                    [filmic(x[0][0]), soft(x[0][0]), natural_level(x[0][0]), photo(DVec3::splat(x[0][0])).x];
+                shown.map(|shown| shown + 10.0 * x[0][0].min(1.0))
+            },
         )
         .edges(line(&[0.0, 0.18, 2.0])),
         Twin::new("heat_share", "tonemap", "return vec4f(heat_share(x[0].x, x[0].y));", |x| {

@@ -70,6 +70,11 @@ fn picture(ui: &mut Ui, document: &mut Document, metered: Option<f64>) {
     let mut auto_exposure = scene.is_metered();
     let curves = [
         (
+            "Photo",
+            "As natural, with the contrast of a photograph: shades within clouds are told apart.",
+            ToneCurve::Photo,
+        ),
+        (
             "Natural",
             "Keeps hue and the texture of bright clouds: low suns turn orange and rose, not yellow.",
             ToneCurve::Natural,

@@ -26,6 +26,7 @@ impl ComposeUniform {
             ToneCurve::Soft => 1,
             ToneCurve::Linear => 2,
             ToneCurve::Natural => 3,
+            ToneCurve::Photo => 4,
         };
         Self { exposure: (BASE * tone.stops.exp2()) as f32, curve, padding: [0.0; 2] }
     }

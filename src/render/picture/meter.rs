@@ -12,8 +12,9 @@ use crate::{Result, frame::Frame, gpu::Gpu};
 
 /// Rays of the draft, about.
 const RAYS: f64 = 9216.0;
-/// Where the brighter half of the clouds' light comes to lie: on the shoulder of the tone curve, which leaves it its shades.
-const CLOUDS: f64 = 0.92;
+/// Where the brighter half of the clouds' light comes to lie: at the foot of the shoulder of the tone curve, so that it keeps its
+/// shades. [`crate::scene::ToneCurve::Photo`] leaves just that brightness as it is.
+const CLOUDS: f64 = 0.78;
 /// Where that of the clear sky lies at most: dusk stays dusk behind dark clouds, and blue stays blue.
 const SKY: f64 = 0.6;
 /// Where it lies at least: a day stays day behind clouds that the sun shines through, whose rims may be white.
@@ -155,7 +156,7 @@ mod tests {
     #[test]
     fn clouds_brighter_than_the_sky_are_exposed_by_their_light_until_the_sky_is_too_dark() {
         let sky = picture(100, |_| (0.3, 1.0));
-        for (light, shown) in [(0.5, 0.92 / 0.5 * 0.3), (0.65, 0.92 / 0.65 * 0.3), (6.0, LEAST_SKY)] {
+        for (light, shown) in [(0.42, CLOUDS / 0.42 * 0.3), (0.55, CLOUDS / 0.55 * 0.3), (6.0, LEAST_SKY)] {
             let clouds = picture(100, |i| if i < 50 { (light, 1.0) } else { (0.0, 0.0) });
             let sky_shown = BASE * metered(&clouds, Some(&sky), 0.0).exp2() * f64::from(0.3f32);
             assert!((sky_shown - shown).abs() < 1e-5, "{light}: {sky_shown}");

@@ -48,18 +48,18 @@ fn make(kind: GrowthKind) -> Make {
     let heap = Make {
         concentration_per_cm3: 300.0,
         effective_radius_um: 11.0,
-        boundary: 0.055,
+        boundary: 0.05,
         wispiness: 0.0,
         blend: 0.15,
         stratification: 0.65,
         dilution: 0.0,
         lee: 0.15,
         veiled_base: 0.3,
-        billows: 0.145,
+        billows: 0.065,
     };
     match kind {
         GrowthKind::Humilis => {
-            Make { concentration_per_cm3: 400.0, boundary: 0.075, wispiness: 0.05, billows: 0.16, ..heap }
+            Make { concentration_per_cm3: 400.0, boundary: 0.068, wispiness: 0.05, billows: 0.072, ..heap }
         }
         GrowthKind::Mediocris => heap,
         GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.046, ..heap },
@@ -79,6 +79,7 @@ fn make(kind: GrowthKind) -> Make {
             stratification: 0.0,
             dilution: 0.2,
             lee: 0.6,
+            billows: 0.145,
             ..heap
         },
         GrowthKind::ClosedCells | GrowthKind::OpenCells => Make {
