@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use glam::{DVec3, Vec2, Vec3, Vec3A};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A};
 
 use crate::scene::{Camera, Projection};
 
@@ -52,12 +52,19 @@ impl CameraUniform {
                 ([1.0, 1.0], Self::EQUIRECTANGULAR, std::f64::consts::PI / f64::from(height))
             }
         };
+        let [x, y] = camera.shift(aspect);
+        // Parallel lines of sight begin elsewhere, others are turned.
+        let shift = if projection == Self::PERSPECTIVE {
+            x * half[0] * right + y * half[1] * up
+        } else {
+            DVec3::ZERO
+        };
         Self {
             right: (right * half[0]).as_vec3(),
             projection,
             up: (up * half[1]).as_vec3(),
-            altitude: (camera.position.y - ground) as f32,
-            forward: forward.as_vec3(),
+            altitude: (camera.eye(aspect).y - ground) as f32,
+            forward: (forward + shift).as_vec3(),
             pixel: pixel as f32,
             axis: forward.as_vec3(),
             jitter: 0.0,
@@ -117,5 +124,25 @@ impl CameraUniform {
             _ => (Vec3::ZERO, (self.forward + across).normalize()),
         };
         (origin.into(), direction.into())
+    }
+
+    /// Where a point is seen that is at `p` from the camera, m: x to the right and y up, both from -1 to 1 in the picture.
+    /// None of what is behind a perspective camera. The inverse of [`CameraUniform::ray`].
+    pub(crate) fn place_of(&self, p: DVec3) -> Option<DVec2> {
+        let [right, up, forward, axis] = [self.right, self.up, self.forward, self.axis].map(Vec3::as_dvec3);
+        let along =
+            |v: DVec3| DVec2::new(v.dot(right) / right.length_squared(), v.dot(up) / up.length_squared());
+        match self.projection {
+            Self::ORTHOGRAPHIC => Some(along(p - p.dot(axis) / forward.dot(axis) * forward)),
+            Self::EQUIRECTANGULAR => {
+                let azimuth = p.dot(right).atan2(p.dot(forward));
+                let elevation = p.normalize_or_zero().dot(up).clamp(-1.0, 1.0).asin();
+                Some(DVec2::new(azimuth / std::f64::consts::PI, elevation / std::f64::consts::FRAC_PI_2))
+            }
+            _ => {
+                let depth = p.dot(axis) / forward.dot(axis);
+                (depth > 0.0).then(|| along(p / depth - forward))
+            }
+        }
     }
 }

@@ -27,8 +27,8 @@ pub use march::{
 #[cfg(test)]
 pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};
 pub use picture::{
-    Film, HeatMap, Layers, LightLayers, Picture, Pieces, Renderer, Resolve, SceneDepth, Shown, Target,
-    metered_alone,
+    Film, HeatMap, Layers, LightLayers, Matte, MattePixel, Picture, Pieces, Renderer, Resolve, SceneDepth,
+    Shown, Target, metered_alone,
 };
 pub use quality::Quality;
 pub use settings::Settings;

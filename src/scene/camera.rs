@@ -12,6 +12,7 @@ const ROLL: Limits = Limits::new(-360.0, 360.0, "degrees");
 const FIELD_OF_VIEW: Limits = Limits::new(0.1, 170.0, "degrees");
 const FOCAL_LENGTH: Limits = Limits::new(0.1, 1e5, "millimetres");
 const SENSOR: Limits = Limits::new(0.1, 1e3, "millimetres");
+const SHIFT: Limits = Limits::new(-10.0, 10.0, "");
 const HEIGHT: Limits = Limits::new(0.01, 1e7, "metres");
 
 /// Height of the eye above the ground where a scene has no camera, metres.
@@ -45,6 +46,20 @@ pub struct Camera {
     /// How directions become places in the picture.
     #[serde(default)]
     pub projection: Projection,
+    /// Shifts the lens to the right, as a share of the picture's width, -10 to 10: what is farther right is in the
+    /// picture, and the camera does not turn. Not for equirectangular cameras.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    pub shift_x: f64,
+    /// Shifts the lens upwards, as a share of the picture's width, -10 to 10: verticals of what is high up stay
+    /// parallel where the camera is level. Not for equirectangular cameras.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    pub shift_y: f64,
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// How directions become places in the picture.
@@ -137,7 +152,24 @@ impl Camera {
             target: position + 1000.0 * DVec3::new(0.0, slope, -1.0),
             roll_deg: 0.0,
             projection: Projection::default(),
+            shift_x: 0.0,
+            shift_y: 0.0,
         }
+    }
+
+    /// How far the lens is shifted to the right and up, in halves of the picture's width and height, for a picture of
+    /// `aspect` (width over height).
+    pub(crate) fn shift(&self, aspect: f64) -> [f64; 2] {
+        [2.0 * self.shift_x, 2.0 * self.shift_y * aspect]
+    }
+
+    /// Where the lines of sight begin, or those of the middle of the picture do where they are parallel, m: the position,
+    /// but for orthographic cameras with a shifted lens.
+    pub fn eye(&self, aspect: f64) -> DVec3 {
+        let Projection::Orthographic { height } = self.projection else { return self.position };
+        let [x, y] = self.shift(aspect);
+        self.position
+            + self.world_from_camera() * DVec3::new(0.5 * height * aspect * x, 0.5 * height * y, 0.0)
     }
 
     /// Unit vector of the line of sight, from the camera to its target.
@@ -210,6 +242,14 @@ impl Camera {
             )));
         }
         at.field("roll_deg").number(self.roll_deg, ROLL)?;
+        for (name, shift) in [("shift_x", self.shift_x), ("shift_y", self.shift_y)] {
+            at.field(name).number(shift, SHIFT)?;
+            if shift != 0.0 && self.projection == Projection::Equirectangular {
+                return Err(at.field(name).problem(format!(
+                    "{shift} shifts a lens, and an equirectangular camera has none: expected 0"
+                )));
+            }
+        }
         self.projection.check(at.field("projection"))
     }
 }

@@ -18,6 +18,7 @@ mod layer;
 mod life;
 mod light;
 mod moment;
+mod movement;
 mod noise;
 mod particles;
 mod presets;
@@ -48,6 +49,7 @@ pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
 pub use life::Life;
 pub use light::{Light, LightSource, Lightning, MAX_LIGHTS};
+pub use movement::Movement;
 pub use noise::{Noise, Renewed};
 pub use particles::{Habit, Species};
 #[cfg(feature = "measure")]

@@ -32,7 +32,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("compose", "vertex fragment"),
             ("depth_bake", "main"),
             ("ground_light", "main"),
-            ("march", "quad beauty layers normals cost"),
+            ("march", "quad beauty layers places everything cost"),
             ("mips", "main"),
             ("moments_entering", "main"),
             ("moments_keep", "main"),

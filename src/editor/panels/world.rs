@@ -157,6 +157,13 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
         }
         Projection::Equirectangular => {}
     }
+    if camera.projection == Projection::Equirectangular {
+        // It has no lens.
+        (camera.shift_x, camera.shift_y) = (0.0, 0.0);
+    } else {
+        form.slider("Camera.shift_x", "Shift right", &mut camera.shift_x, 0.0, -0.5..=0.5);
+        form.slider("Camera.shift_y", "Shift up", &mut camera.shift_y, 0.0, -0.5..=0.5);
+    }
 }
 
 fn noise(ui: &mut Ui, document: &mut Document) {
