@@ -15,9 +15,12 @@ use crate::{
     export::{self, Header, LayerKind, Layered, Notes, Picture, Shutter},
     gpu::{Gpu, Timing},
     reference::Estimate,
-    render::{Film, Frame, Quality, Renderer, Transport},
+    render::{Blur, Film, Frame, Quality, Renderer, Transport},
     scene::{Movement, Scene},
 };
+
+/// Pictures that a blurred one is the mean of, where nobody says how many.
+const SAMPLES: u32 = 16;
 
 /// What a picture is like.
 #[derive(Debug, Clone, Args)]
@@ -56,6 +59,14 @@ pub struct PictureOptions {
     #[arg(long, value_name = "LIST", value_enum, num_args = 0..=1, require_equals = true, value_delimiter = ',',
         default_missing_values = ["light", "distance", "normal"])]
     pub(super) layers: Option<Vec<LayerName>>,
+    /// Motion blur: the share of a frame for which the shutter is open, 0.5 being half of it; the frame's time is in the
+    /// middle.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(super) shutter: Option<f64>,
+    /// Pictures that are averaged where the shutter is open or the camera has an aperture, 16 where left out; 1 is a
+    /// pinhole.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    samples: Option<u32>,
     /// Leave the sky out: clouds on a transparent ground.
     #[arg(long)]
     pub(super) transparent: bool,
@@ -155,6 +166,8 @@ pub(super) struct Job<'a> {
     pub scene: &'a Scene,
     /// The same as the device takes it: [`PictureOptions::frame`].
     pub frame: Frame,
+    /// Frames per second.
+    pub fps: f64,
     /// What is seen in the next frame, and how far clouds go until then, where that is asked for.
     pub next: Option<(Frame, Movement)>,
     /// What auto exposure adds to the scene's exposure, stops: [`PictureOptions::meter`].
@@ -198,6 +211,7 @@ impl PictureOptions {
             Format::Png => self.color.refuse_for("PNG")?,
         }
         self.check_transport()?;
+        self.check_blur()?;
         self.check_rays()
     }
 
@@ -214,6 +228,8 @@ impl PictureOptions {
             self.quality.map(|quality| format!("--quality {}", word(quality))),
             self.supersample.map(|rays| format!("--supersample {rays}")),
             self.exact.then(|| "--exact".to_owned()),
+            self.shutter.map(|share| format!("--shutter {share}")),
+            self.samples.map(|samples| format!("--samples {samples}")),
         ];
         let first = |words: &[Option<String>]| words.iter().flatten().next().cloned();
         match (first(&of_paths), first(&of_others)) {
@@ -226,6 +242,49 @@ impl PictureOptions {
             )),
             _ => Ok(()),
         }
+    }
+
+    /// Layers are of one moment.
+    fn check_blur(&self) -> Result<()> {
+        let given = [
+            self.shutter.map(|share| format!("--shutter {share}")),
+            self.samples.map(|samples| format!("--samples {samples}")),
+        ];
+        match given.into_iter().flatten().next() {
+            Some(word) if self.layers.is_some() => Err(Error::Argument(format!(
+                "{word} and --layers don't go together, for depths and names have no mean: leave one out; with \
+                 --layers=light,motion a compositor blurs"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// How a picture of `scene`, at `fps` frames a second, is blurred; not at all where it is of a pinhole and a moment.
+    ///
+    /// # Errors
+    /// Where samples are asked for and there is nothing to blur.
+    fn blur(&self, scene: &Scene, fps: f64) -> Result<Option<Blur>> {
+        let has_aperture = scene.camera.as_ref().is_some_and(|camera| camera.aperture.is_some());
+        let samples = self.samples.unwrap_or(SAMPLES);
+        match (self.shutter, has_aperture && !self.traces_paths() && self.layers.is_none()) {
+            (None, false) if self.samples.is_some_and(|samples| samples > 1) => {
+                Err(Error::Argument(format!(
+                    "--samples {samples} average nothing: add --shutter 0.5 for motion blur, or give the camera an `aperture`"
+                )))
+            }
+            (None, false) => Ok(None),
+            _ if samples == 1 => Ok(None),
+            (share, _) => Ok(Some(Blur { samples, open: share.unwrap_or(0.0) / fps })),
+        }
+    }
+
+    /// The moments that a picture of `scene` shows beside its own, s.
+    ///
+    /// # Errors
+    /// As [`PictureOptions::blur`].
+    pub fn moments(&self, scene: &Scene, fps: f64) -> Result<Vec<f64>> {
+        let blur = self.blur(scene, fps)?.filter(|blur| blur.open > 0.0);
+        Ok(blur.map(|blur| blur.moments(scene).collect()).unwrap_or_default())
     }
 
     /// As many rays as were asked for must go into one texture.
@@ -379,7 +438,11 @@ impl PictureOptions {
             return self.trace(painter, job, progress);
         }
         let Painter { gpu, renderer } = painter;
-        let picture = self.film().take(gpu, renderer, &job.frame, !self.transparent, progress)?;
+        let (film, sky) = (self.film(), !self.transparent);
+        let picture = match self.blur(job.scene, job.fps)? {
+            Some(blur) => film.expose(gpu, renderer, job.scene, blur, sky, progress)?,
+            None => film.take(gpu, renderer, &job.frame, sky, progress)?,
+        };
         Ok(Drawn { picture, estimate: None, stopped: false })
     }
 
@@ -528,6 +591,7 @@ mod tests {
         let job = Job {
             scene: &scene,
             frame,
+            fps: 24.0,
             next: None,
             metered: None,
             output: &output,

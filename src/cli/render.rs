@@ -83,9 +83,14 @@ impl Render {
         check_place(&self.output)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
-        let span = 1.0 / scene.timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps);
+        let fps = scene.timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps);
+        let span = 1.0 / fps;
         let later = self.camera.see(Scene { time: scene.time + span, ..scene.clone() })?;
-        scene = self.camera.see(scene)?;
+        scene = match self.picture.shutter {
+            Some(_) => self.camera.see_over_time(scene, fps)?,
+            None => self.camera.see(scene)?,
+        };
+        self.picture.moments(&scene, fps)?;
         // What is wrong with the scene is told before an adapter is looked for.
         let frame = self.picture.frame(&scene)?;
         let next = self.picture.next(&scene, &frame, &later, span)?;
@@ -103,6 +108,7 @@ impl Render {
         let job = Job {
             scene: &scene,
             frame,
+            fps,
             next,
             metered,
             output: &self.output,

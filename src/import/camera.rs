@@ -88,8 +88,15 @@ fn placed(world_from_node: DMat4, (projection, [shift_x, shift_y]): Seen) -> Cam
     let position = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(DVec3::Z);
     let up = world_from_node.y_axis.truncate();
-    let mut camera =
-        Camera { position, target: position + 1000.0 * forward, roll_deg: 0.0, projection, shift_x, shift_y };
+    let mut camera = Camera {
+        position,
+        target: position + 1000.0 * forward,
+        roll_deg: 0.0,
+        projection,
+        shift_x,
+        shift_y,
+        aperture: None,
+    };
     let level = camera.world_from_camera();
     camera.roll_deg = up.dot(level * DVec3::X).atan2(up.dot(level * DVec3::Y)).to_degrees();
     camera

@@ -37,7 +37,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use block::voxel;
 pub use block::{BLOCK_EDGE, BLOCK_VOXELS, Block};
-pub use camera::{Camera, Projection};
+pub use camera::{Aperture, Camera, Projection};
 pub use cloud::Cloud;
 pub use droplets::{Droplets, Phase};
 pub use edge::Edge;

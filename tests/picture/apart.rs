@@ -6,10 +6,10 @@ use std::{collections::HashMap, path::Path};
 use exr::prelude::*;
 use glam::DVec3;
 use nephos::{
-    export::{LayerKind, Layered, Notes, write_layers_of},
+    export::{LayerKind, Layered, Notes, Picture, write_layers_of},
     gpu::Gpu,
-    render::{Film, Frame, Quality, Renderer, Transport},
-    scene::{Movement, Scene},
+    render::{Blur, Film, Frame, Quality, Renderer, Transport},
+    scene::{Aperture, Movement, Scene},
 };
 
 use crate::common::{
@@ -307,6 +307,62 @@ fn clouds_that_go_different_ways_have_motions_of_their_own() {
     let mixed = (0..alpha.len()).filter(|&i| alpha[i] > 0.1 && (0.1..0.9).contains(&share(i))).count();
     assert!(mixed > 5, "{mixed}");
     assert!(motion_off(&file, |i| (alpha[i] > 0.1).then(|| [0.0, share(i)])) < 1e-2);
+}
+
+/// Sum, middle and variance of opacity across a picture, pixels.
+fn across(picture: &Picture) -> [f64; 3] {
+    let moment = |power: i32, about: f64| -> f64 {
+        let places = picture.pixels.iter().enumerate();
+        places.map(|(i, p)| f64::from(p[3]) * ((i % picture.width) as f64 - about).powi(power)).sum()
+    };
+    let sum = moment(0, 0.0);
+    let middle = moment(1, 0.0) / sum;
+    [sum, middle, moment(2, middle) / sum]
+}
+
+/// What goes a way L while the shutter is open is spread by the box of that width, whose variance is L^2 / 12.
+#[test]
+fn an_open_shutter_spreads_what_moves_by_its_way() {
+    let mut scene = balls(PARALLEL, r#"{"velocity":[1000,0,0]}"#);
+    scene.clouds.truncate(1);
+    let mut renderer = renderer(sharp(), Transport::SINGLE);
+    let film = Film::new(SIZE, 1);
+    let mut expose = |samples, open| {
+        let blur = Blur { samples, open };
+        across(&film.expose(gpu(), &mut renderer, &scene, blur, false, &mut |_| ()).unwrap())
+    };
+    let still = expose(1, 0.0);
+    // A pixel is 20 m, and in a tenth of a second it goes 100 m: 5 pixels.
+    let moved = expose(32, 0.1);
+    assert!((moved[0] / still[0] - 1.0).abs() < 5e-3, "{moved:?} {still:?}");
+    assert!((moved[1] - still[1]).abs() < 0.1, "{moved:?} {still:?}");
+    let spread = moved[2] - still[2];
+    assert!((spread / (25.0 / 12.0) - 1.0).abs() < 0.05, "{spread}");
+    let frame = film.frame(&scene).unwrap();
+    let taken = across(&film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap());
+    assert_eq!(taken, still);
+}
+
+/// A disc of confusion of radius r spreads by r^2 / 4 across.
+#[test]
+fn an_open_lens_spreads_what_is_out_of_focus() {
+    let mut scene = balls(PINHOLE, "{}");
+    scene.clouds.remove(0);
+    let mut renderer = renderer(sharp(), Transport::SINGLE);
+    let film = Film::new(SIZE, 1);
+    let mut expose = |focus: f64| {
+        let aperture = Aperture { radius: Some(40.0), f_stop: None, focus };
+        scene.camera.as_mut().unwrap().aperture = Some(aperture);
+        let blur = Blur { samples: 64, open: 0.0 };
+        across(&film.expose(gpu(), &mut renderer, &scene, blur, false, &mut |_| ()).unwrap())
+    };
+    let focal = 12.0 / (20f64).to_radians().tan();
+    let (sharp, blurred) = (expose(700.0), expose(1e6));
+    let radius = focal * 40.0 * (1.0 / 700.0 - 1e-6);
+    let spread = blurred[2] - sharp[2];
+    // The ball is 90 m deep, of 700 m.
+    assert!((spread / (radius * radius / 4.0) - 1.0).abs() < 0.15, "{spread} {radius}");
+    assert!((blurred[0] / sharp[0] - 1.0).abs() < 0.03, "{blurred:?} {sharp:?}");
 }
 
 #[test]

@@ -140,6 +140,9 @@ impl Sequence {
             if self.picture.sees_motion() {
                 beside += &at(time + 1.0 / fps)?.to_json();
             }
+            for moment in self.picture.moments(&Scene { time, ..scene.clone() }, fps)? {
+                beside += &at(moment)?.to_json();
+            }
             Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &beside) })
         })
         .collect()
@@ -225,7 +228,17 @@ impl Sequence {
             Header { frame: Some(still.number), fps: Some(still.fps), ..self.picture.notes().header };
         let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes(header));
         let (metered, output, next) = (*metered, file, self.next(&scene, &frame, still)?);
-        let job = Job { scene: &scene, frame, next, metered, output, resume: false, keep: false, notes };
+        let job = Job {
+            scene: &scene,
+            frame,
+            fps: still.fps,
+            next,
+            metered,
+            output,
+            resume: false,
+            keep: false,
+            notes,
+        };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
     }
 
@@ -304,8 +317,17 @@ impl Sequence {
         let scene = Scene { time: still.time, ..scene.clone() };
         let (frame, notes) = (self.picture.frame(&scene)?, Notes::default());
         let (metered, output) = (*metered, &*self.output);
-        let job =
-            Job { scene: &scene, frame, next: None, metered, output, resume: false, keep: false, notes };
+        let job = Job {
+            scene: &scene,
+            frame,
+            fps: still.fps,
+            next: None,
+            metered,
+            output,
+            resume: false,
+            keep: false,
+            notes,
+        };
         let drawn = self.picture.draw(painter, &job, progress)?;
         Ok(export::opaque_of(&self.picture.finished(painter, &drawn.picture, &job)?))
     }

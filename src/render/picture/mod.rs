@@ -1,5 +1,6 @@
 //! The renderer: keeps what outlives a frame, and records a frame's passes.
 
+mod blur;
 mod compose;
 mod film;
 mod lamp;
@@ -25,6 +26,7 @@ use crate::{
     gpu::{self, Gpu, TextureDesc, Timing, view},
     scene::{MAX_LIGHTS, Tone},
 };
+pub use blur::Blur;
 use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
