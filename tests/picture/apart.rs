@@ -120,7 +120,7 @@ fn the_light_of_the_sun_is_regraded_as_if_it_were_another_one() {
     for transport in Transport::all() {
         let mut renderer = renderer(sharp(), transport);
         let mut draw = |sun: [f64; 3]| {
-            let scene = lit_by(sun, r#"{"uniform":{"radiance":[0.05,0.08,0.15]}}"#);
+            let scene = lit_by(sun, r#"{"uniform":{"radiance":[0.01,0.016,0.03]}}"#);
             apart(gpu(), &mut renderer, &scene, &[LayerKind::Light], 1)
         };
         let (white, red) = (draw([1.0; 3]), draw(RED.map(f64::from)));
@@ -334,7 +334,8 @@ fn an_open_shutter_spreads_what_moves_by_its_way() {
     let still = expose(1, 0.0);
     // A pixel is 20 m, and in a tenth of a second it goes 100 m: 5 pixels.
     let moved = expose(32, 0.1);
-    assert!((moved[0] / still[0] - 1.0).abs() < 5e-3, "{moved:?} {still:?}");
+    // The rim of a ball of 12 pixels with a ray each is good to a percent or two.
+    assert!((moved[0] / still[0] - 1.0).abs() < 0.02, "{moved:?} {still:?}");
     assert!((moved[1] - still[1]).abs() < 0.1, "{moved:?} {still:?}");
     let spread = moved[2] - still[2];
     assert!((spread / (25.0 / 12.0) - 1.0).abs() < 0.05, "{spread}");
