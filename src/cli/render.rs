@@ -85,7 +85,10 @@ impl Render {
         scene.time = self.time.unwrap_or(scene.time);
         let fps = scene.timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps);
         let span = 1.0 / fps;
-        let later = self.camera.see(Scene { time: scene.time + span, ..scene.clone() })?;
+        let mut later = Scene { time: scene.time + span, ..scene.clone() };
+        if self.picture.sees_motion() {
+            later = self.camera.see(later)?;
+        }
         scene = match self.picture.shutter {
             Some(_) => self.camera.see_over_time(scene, fps)?,
             None => self.camera.see(scene)?,

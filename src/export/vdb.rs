@@ -125,7 +125,7 @@ impl Grid {
     ) -> io::Result<(Self, Vec<u8>)> {
         let zipped: Vec<Vec<u8>> =
             volume.blocks.par_iter().map(|block| leaf(&values(block))).collect::<io::Result<_>>()?;
-        let (topology, leaves) = tree(&volume.blocks, &zipped, about.numbers);
+        let (topology, leaves) = tree(&volume.blocks, &zipped, about.numbers, half);
         let mut bytes = metadata(volume, about, half);
         bytes.extend(transform(volume.grid.voxel));
         bytes.extend(topology);
@@ -219,7 +219,7 @@ fn transform(voxel: f64) -> Vec<u8> {
 }
 
 /// Topology and values of blocks, whose own values are `zipped`: each is of so many floats.
-fn tree(blocks: &[Block], zipped: &[Vec<u8>], numbers: usize) -> (Vec<u8>, Vec<u8>) {
+fn tree(blocks: &[Block], zipped: &[Vec<u8>], numbers: usize, half: bool) -> (Vec<u8>, Vec<u8>) {
     let mut tree = Tree::new();
     for (number, block) in blocks.iter().enumerate() {
         let voxel = 8 * block.index;
@@ -234,9 +234,9 @@ fn tree(blocks: &[Block], zipped: &[Vec<u8>], numbers: usize) -> (Vec<u8>, Vec<u
     let mut leaves = Vec::new();
     for (origin, upper) in &tree {
         origin.iter().for_each(|i| topology.extend(i.to_le_bytes()));
-        inner(&mut topology, UPPER, upper.keys());
+        inner(&mut topology, UPPER, half, upper.keys());
         for lower in upper.values() {
-            inner(&mut topology, LOWER, lower.keys());
+            inner(&mut topology, LOWER, half, lower.keys());
             for &number in lower.values() {
                 let active = active(&blocks[number]);
                 topology.extend(&active);
@@ -249,13 +249,16 @@ fn tree(blocks: &[Block], zipped: &[Vec<u8>], numbers: usize) -> (Vec<u8>, Vec<u
 }
 
 /// An inner node: which children it has; no tile of it is active.
-fn inner<'a>(out: &mut Vec<u8>, level: Level, children: impl Iterator<Item = &'a usize>) {
+fn inner<'a>(out: &mut Vec<u8>, level: Level, half: bool, children: impl Iterator<Item = &'a usize>) {
     let mut mask = vec![0u8; level.count() / 8];
     children.for_each(|place| mask[place / 8] |= 1 << (place % 8));
     out.extend(&mask);
     out.extend(vec![0u8; mask.len()]);
     out.push(ONLY_ACTIVE);
-    out.extend(0u64.to_le_bytes()); // Bytes of values.
+    if !half {
+        // Bytes of values, which no halves at all do not tell.
+        out.extend(0u64.to_le_bytes());
+    }
 }
 
 /// Which voxels hold anything, a bit each.

@@ -106,7 +106,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         "bookkeeping: what comes next, what is counted, what is compiled out",
         &[
             ("counts", "count"),
-            ("march", "store_counts shade is_before_disc"),
+            ("march", "store_counts shade is_before_disc light_layers places_of"),
             ("steps", "march"),
             ("gather", "add_light add_node next_piece light_nodes"),
             ("sun_map", "plane_at planes_within"),
