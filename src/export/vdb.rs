@@ -33,7 +33,7 @@ type Tree = BTreeMap<[i32; 3], BTreeMap<usize, BTreeMap<usize, usize>>>;
 /// How a volume is written.
 #[derive(Clone, Copy, Default)]
 pub struct VdbOptions<'a> {
-    /// Whether numbers are kept as half floats, good to 1 in 2000: files have about half the size.
+    /// Whether numbers are kept as half floats, good to 1 in 2000, in half the bytes.
     pub half: bool,
     /// How fast matter goes at a point of the world, m/s by m: the grid `vel`.
     pub velocity: Option<&'a (dyn Fn(DVec3) -> DVec3 + Sync)>,

@@ -185,8 +185,9 @@ fn openvdb_reads_velocities_and_halves() {
         write_vdb_with(&path, &volume, VdbOptions { half, velocity: None }).unwrap();
         fs::metadata(path).unwrap().len() as f64
     };
-    let share = size(true) / size(false);
-    assert!((0.3..0.7).contains(&share), "{share}");
+    // Zipped floats take two to three bytes a voxel, halves half of that; the tree takes the same in both.
+    let saved = (size(false) - size(true)) / filled.len() as f64;
+    assert!((0.7..2.5).contains(&saved), "{saved} bytes a voxel");
 }
 
 #[test]

@@ -51,7 +51,7 @@ pub struct Volume {
     /// Samples of the density along each edge of a voxel, which then holds their mean.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: u32,
-    /// Keep numbers as half floats, good to 1 in 2000: .vdb files of about half the size.
+    /// Keep numbers as half floats, good to 1 in 2000, in half the bytes (.vdb).
     #[arg(long)]
     half: bool,
     /// Write how fast clouds go, too, by wind and curves: the grid `vel`, metres per second (.vdb).
