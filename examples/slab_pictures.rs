@@ -66,6 +66,7 @@ fn scene(thickness: f64, above: bool) -> Scene {
             target: middle,
             roll_deg: 0.0,
             projection: Projection::Perspective { vertical_fov_deg: 36.0 },
+            ..Camera::default()
         }),
         ..Scene::default()
     }

@@ -132,8 +132,10 @@ fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
 // A pixel's light, premultiplied by opacity.
 struct Shade {
     alpha: f32,
+    // Of the sun, scattered once and more often, and of sky and ground.
     single: vec3f,
     multiple: vec3f,
+    ambient: vec3f,
     // Light scattered by the air between camera and cloud.
     air: vec3f,
     distance: f32,
@@ -160,7 +162,7 @@ fn shade(v: Varyings) -> Shade {
     let opaque = opaque_ahead(opaque_before(cloud.opaque, light_glare(ray)), light_ahead(species));
     let m = march(ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
     if m.transmittance >= 1.0 {
-        return Shade(0.0, vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, vec3f(0.0));
+        return Shade();
     }
     count(HITS, 1u);
     let seen = ray_seen(m.transmittance, m.optical_depth, opaque);
@@ -171,7 +173,7 @@ fn shade(v: Varyings) -> Shade {
     let lights = Lights(mix(v.sun_base, v.sun_top, height), v.sky, v.horizon, v.ground);
     let light = light_ray(m.light, ray, seen, lights);
     if !AERIAL {
-        return Shade(alpha, light.single, light.multiple, vec3f(0.0), distance, normal);
+        return Shade(alpha, light.single, light.multiple, light.ambient, vec3f(0.0), distance, normal);
     }
     let uv = v.position.xy / camera.size;
     let air = aerial_perspective(aerial, clamped, uv, distance, cloud.aerial_range);
@@ -182,8 +184,8 @@ fn shade(v: Varyings) -> Shade {
     if AIR_SHADED {
         shining = max(shining - aerial_perspective(air_shadow, clamped, uv, distance, cloud.shadow_range).rgb, vec3f(0.0));
     }
-    return Shade(alpha, light.single * air.a, light.multiple * air.a, alpha * cloud.sun_irradiance * shining,
-        distance, normal);
+    return Shade(alpha, light.single * air.a, light.multiple * air.a, light.ambient * air.a,
+        alpha * cloud.sun_irradiance * shining, distance, normal);
 }
 
 // Largest value of a half float.
@@ -194,32 +196,70 @@ const MOST: vec3f = vec3f(65504.0);
 fn beauty(v: Varyings) -> @location(0) vec4f {
     let s = shade(v);
     store_counts();
-    return vec4f(min(s.single + s.multiple + s.air, MOST), s.alpha);
+    return vec4f(min(s.single + s.multiple + s.ambient + s.air, MOST), s.alpha);
 }
 
+// The same light apart.
 struct LightLayers {
     @location(0) single: vec4f,
     @location(1) multiple: vec4f,
-    @location(2) air: vec4f,
-    // Distance in kilometres, so that half floats hold it.
-    @location(3) distance: vec4f,
+    @location(2) ambient: vec4f,
+    @location(3) air: vec4f,
 }
 
-// The same light apart, for compositors.
+// What is where: which way the cloud faces, its distance in kilometres, so that half floats hold it, and the same of
+// this cloud alone with its opacity. Of what goes into two channels alpha is there to be blended by.
+struct Places {
+    @location(0) normal: vec4f,
+    @location(1) distance: vec4f,
+    @location(2) matte: vec4f,
+}
+
+// Both in one.
+struct Everything {
+    @location(0) single: vec4f,
+    @location(1) multiple: vec4f,
+    @location(2) ambient: vec4f,
+    @location(3) air: vec4f,
+    @location(4) normal: vec4f,
+    @location(5) distance: vec4f,
+    @location(6) matte: vec4f,
+}
+
+fn light_layers(s: Shade) -> LightLayers {
+    return LightLayers(vec4f(min(s.single, MOST), s.alpha), vec4f(min(s.multiple, MOST), s.alpha),
+        vec4f(min(s.ambient, MOST), s.alpha), vec4f(min(s.air, MOST), s.alpha));
+}
+
+fn places_of(s: Shade) -> Places {
+    let away = 1e-3 * s.distance * s.alpha;
+    return Places(vec4f(s.normal, s.alpha), vec4f(vec3f(away), s.alpha), vec4f(away, s.alpha, 0.0, s.alpha));
+}
+
+// Light apart, for compositors.
 @fragment
 fn layers(v: Varyings) -> LightLayers {
     let s = shade(v);
     store_counts();
-    return LightLayers(vec4f(min(s.single, MOST), s.alpha), vec4f(min(s.multiple, MOST), s.alpha), vec4f(min(s.air, MOST), s.alpha),
-        vec4f(vec3f(1e-3 * s.distance * s.alpha), s.alpha));
+    return light_layers(s);
 }
 
-// Which way the cloud faces, for compositors.
+// What is where, where one pass has no room for both.
 @fragment
-fn normals(v: Varyings) -> @location(0) vec4f {
+fn places(v: Varyings) -> Places {
     let s = shade(v);
     store_counts();
-    return vec4f(s.normal, s.alpha);
+    return places_of(s);
+}
+
+// Light and what is where.
+@fragment
+fn everything(v: Varyings) -> Everything {
+    let s = shade(v);
+    store_counts();
+    let light = light_layers(s);
+    let places = places_of(s);
+    return Everything(light.single, light.multiple, light.ambient, light.air, places.normal, places.distance, places.matte);
 }
 
 // Work of the pixel, for heat maps: steps, density evaluations, reads of maps. Alpha is 0

@@ -62,21 +62,31 @@ struct Lights {
     ground: vec3f,
 }
 
-// Light of a ray, premultiplied by opacity.
+// Light of a ray, premultiplied by opacity: of the sun, scattered once and more often, and of sky and ground.
 struct RayLight {
     single: vec3f,
     multiple: vec3f,
+    ambient: vec3f,
 }
 
 fn light_ray_at(ray: LightRay, t: f32) -> vec3f {
     return ray.origin + t * ray.direction + vec3f(0.0, ray.bend * t * t, 0.0);
 }
 
-// The light of a cloud that glows by itself, of which this much is opaque: as much as the mean over all
-// directions of the light outside, of which horizon and sky are taken as one.
-fn emitted(species: Species, opacity: f32, lights: Lights) -> vec3f {
-    let emission = lights.sun / (4.0 * PI) + 0.5 * (lights.sky + lights.ground);
-    return whole_albedo(species) * opacity * emission;
+// The light of a cloud that glows by itself, of which this much is opaque, where the light outside has this mean over
+// all directions.
+fn emitted(species: Species, opacity: f32, mean: vec3f) -> vec3f {
+    return whole_albedo(species) * opacity * mean;
+}
+
+// The mean over all directions of the sun's light, and of that of sky and ground, of which horizon and sky are taken
+// as one.
+fn mean_of_sun(lights: Lights) -> vec3f {
+    return lights.sun / (4.0 * PI);
+}
+
+fn mean_of_sky(lights: Lights) -> vec3f {
+    return 0.5 * (lights.sky + lights.ground);
 }
 
 // Light of sky, horizon and ground by their weights.
@@ -84,7 +94,7 @@ fn weighted_lights(weights: vec3f, lights: Lights) -> vec3f {
     return weights.x * lights.sky + weights.y * lights.horizon + weights.z * lights.ground;
 }
 
-// Light scattered once more: of sunlight, per unit of irradiance, and of diffuse light.
-fn scattered_again(species: Species, irradiance: vec3f, source: vec3f, diffuse: vec3f) -> vec3f {
-    return species.albedo * (irradiance * source + diffuse);
+// Sunlight scattered once more: `source` is per unit of irradiance.
+fn scattered_again(species: Species, irradiance: vec3f, source: vec3f) -> vec3f {
+    return species.albedo * irradiance * source;
 }

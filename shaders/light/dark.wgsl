@@ -10,5 +10,5 @@ fn light_ahead(species: Species) -> f32 {
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    return RayLight(vec3f(0.0), vec3f(0.0));
+    return RayLight(vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }

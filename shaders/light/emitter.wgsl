@@ -12,9 +12,10 @@ fn light_ahead(species: Species) -> f32 {
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    var outside = lights;
-    if !SKY_LIGHT {
-        outside = Lights(lights.sun, vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var outside = vec3f(0.0);
+    if SKY_LIGHT {
+        outside = mean_of_sky(lights);
     }
-    return RayLight(vec3f(0.0), emitted(ray.species, seen.opacity, outside));
+    return RayLight(vec3f(0.0), emitted(ray.species, seen.opacity, mean_of_sun(lights)),
+        emitted(ray.species, seen.opacity, outside));
 }

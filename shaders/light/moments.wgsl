@@ -99,11 +99,11 @@ fn source_of_sun(ray: LightRay, inside: vec3f, node: Node) -> vec3f {
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
     // What of the sky's light goes straight on from behind is scattered all the same.
     let diffuse = sum.diffuse * seen.share * opacity_ratio(seen, transported(ray.species));
-    var multiple = scattered_again(ray.species, lights.sun, sum.multiple * seen.share, diffuse);
+    var multiple = scattered_again(ray.species, lights.sun, sum.multiple * seen.share);
     if FLASH {
         let kept = transported(ray.species) * (1.0 - light_ahead(ray.species));
         let glow = flash_along(light.flash, ray.origin, ray.direction);
         multiple += lights.sun * glow * flash_forward(1.0 - sum.before_flash, kept);
     }
-    return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple);
+    return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple, ray.species.albedo * diffuse);
 }

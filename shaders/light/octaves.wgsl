@@ -27,6 +27,6 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
     let octaves = octave_light(ray.species, sum.octaves * seen.share, dot(ray.direction, ray.to_sun));
-    let multiple = ray.species.albedo * diffuse_light(sum.diffuse, seen, lights) + octaves * lights.sun;
-    return RayLight(sun_single(sum.sun, ray, seen, lights.sun), multiple);
+    return RayLight(sun_single(sum.sun, ray, seen, lights.sun), octaves * lights.sun,
+        ray.species.albedo * diffuse_light(sum.diffuse, seen, lights));
 }

@@ -23,6 +23,6 @@ fn light_node(sum: LightSum, ray: LightRay, node: Node) -> LightSum {
 }
 
 fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    return RayLight(sun_single(sum.sun, ray, seen, lights.sun),
+    return RayLight(sun_single(sum.sun, ray, seen, lights.sun), vec3f(0.0),
         ray.species.albedo * diffuse_light(sum.diffuse, seen, lights));
 }

@@ -12,9 +12,9 @@ struct SlabSum {
 }
 
 fn slab_ray(sum: SlabSum, ray: LightRay, seen: RaySeen, lights: Lights) -> RayLight {
-    let diffuse = diffuse_light(sum.diffuse, seen, lights);
     return RayLight(sun_single(sum.sun, ray, seen, lights.sun),
-        scattered_again(ray.species, lights.sun, sum.multiple * seen.share, diffuse));
+        scattered_again(ray.species, lights.sun, sum.multiple * seen.share),
+        ray.species.albedo * diffuse_light(sum.diffuse, seen, lights));
 }
 
 // Our slab around `uv`, over `length` metres; it holds the point at hand.

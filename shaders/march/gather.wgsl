@@ -2,7 +2,8 @@
 // changes slowly.
 // @use lighting ray_seen shade
 
-// Whether facing is gathered instead of light.
+// Whether light is gathered, and facing.
+override LIT: bool = true;
 override NORMALS: bool = false;
 // Points of a ray at which diffuse light is found, at most 8.
 override LIGHT_NODES: u32 = 6u;

@@ -73,7 +73,7 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
         }
     }
     _ = next_piece(&m, ray, piece, piece.end);
-    if light_reads_nodes() && !NORMALS {
+    if light_reads_nodes() && LIT {
         light_nodes(&m, ray);
     }
     return m;

@@ -33,7 +33,9 @@ fn asked(arg: &Arg) -> Asked {
     let help = arg.get_long_help().or(arg.get_help()).map(ToString::to_string).unwrap_or_default();
     let takes_value = arg.get_action().takes_values();
     let first = |values: Vec<String>| values.into_iter().next().unwrap_or_default();
-    let values = arg.get_possible_values().into_iter().filter(|value| takes_value && !value.is_hide_set());
+    // A list is written, not chosen.
+    let is_one = takes_value && arg.get_value_delimiter().is_none();
+    let values = arg.get_possible_values().into_iter().filter(|value| is_one && !value.is_hide_set());
     let values = values.map(|value| {
         (value.get_name().to_owned(), value.get_help().map(ToString::to_string).unwrap_or_default())
     });

@@ -12,12 +12,15 @@ use super::{
 };
 use crate::{
     Error, Result,
-    export::{self, Header, Notes, Picture, Shutter},
+    export::{self, Header, LayerKind, Layered, Notes, Picture, Shutter},
     gpu::{Gpu, Timing},
     reference::Estimate,
-    render::{Film, Frame, Quality, Renderer, Transport},
-    scene::Scene,
+    render::{Blur, Film, Frame, Quality, Renderer, Transport},
+    scene::{Movement, Scene},
 };
+
+/// Pictures that a blurred one is the mean of, where nobody says how many.
+const SAMPLES: u32 = 16;
 
 /// What a picture is like.
 #[derive(Debug, Clone, Args)]
@@ -51,9 +54,19 @@ pub struct PictureOptions {
     pub(super) tone: ToneOptions,
     #[command(flatten)]
     color: ColorOptions,
-    /// Write the layers that the beauty is made of beside it (EXR only).
-    #[arg(long)]
-    pub(super) layers: bool,
+    /// Write layers beside the beauty (EXR only): light, distance and normal, or those of the list behind
+    /// `=`, such as --layers=light,depth,motion.
+    #[arg(long, value_name = "LIST", value_enum, num_args = 0..=1, require_equals = true, value_delimiter = ',',
+        default_missing_values = ["light", "distance", "normal"])]
+    pub(super) layers: Option<Vec<LayerName>>,
+    /// Motion blur: the share of a frame for which the shutter is open, 0.5 being half of it; the frame's time is in the
+    /// middle.
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(super) shutter: Option<f64>,
+    /// Pictures that are averaged where the shutter is open or the camera has an aperture, 16 where left out; 1 is a
+    /// pinhole.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    samples: Option<u32>,
     /// Leave the sky out: clouds on a transparent ground.
     #[arg(long)]
     pub(super) transparent: bool,
@@ -79,6 +92,39 @@ impl QualityName {
             Self::Draft => Quality::DRAFT,
             Self::Preview => Quality::PREVIEW,
             Self::Final => Quality::FINAL,
+        }
+    }
+}
+
+/// A kind of layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum LayerName {
+    /// What the beauty is the sum of, and the light of clouds by what it comes from
+    Light,
+    /// depth.Z: distance from the eye, metres
+    Distance,
+    /// Which way the cloud faces
+    Normal,
+    /// planar.Z: distance along the camera's axis, metres
+    Depth,
+    /// Where in the world what is seen is, metres
+    Position,
+    /// How far it goes until the next frame, pixels right and up
+    Motion,
+    /// Cryptomatte: which clouds there are, and how much each one hides
+    Clouds,
+}
+
+impl LayerName {
+    fn kind(self) -> LayerKind {
+        match self {
+            Self::Light => LayerKind::Light,
+            Self::Distance => LayerKind::Distance,
+            Self::Normal => LayerKind::Normal,
+            Self::Depth => LayerKind::Depth,
+            Self::Position => LayerKind::Position,
+            Self::Motion => LayerKind::Motion,
+            Self::Clouds => LayerKind::Clouds,
         }
     }
 }
@@ -120,6 +166,10 @@ pub(super) struct Job<'a> {
     pub scene: &'a Scene,
     /// The same as the device takes it: [`PictureOptions::frame`].
     pub frame: Frame,
+    /// Frames per second.
+    pub fps: f64,
+    /// What is seen in the next frame, and how far clouds go until then, where that is asked for.
+    pub next: Option<(Frame, Movement)>,
     /// What auto exposure adds to the scene's exposure, stops: [`PictureOptions::meter`].
     pub metered: Option<f64>,
     pub output: &'a Path,
@@ -153,7 +203,7 @@ impl PictureOptions {
     /// # Errors
     /// Where words do not go together.
     pub fn check(&self, format: Format) -> Result<()> {
-        if self.layers && format != Format::Exr {
+        if self.layers.is_some() && format != Format::Exr {
             return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
         }
         match format {
@@ -161,6 +211,7 @@ impl PictureOptions {
             Format::Png => self.color.refuse_for("PNG")?,
         }
         self.check_transport()?;
+        self.check_blur()?;
         self.check_rays()
     }
 
@@ -173,10 +224,12 @@ impl PictureOptions {
             self.seconds.map(|seconds| format!("--seconds {seconds}")),
         ];
         let of_others = [
-            self.layers.then(|| "--layers".to_owned()),
+            self.layers.is_some().then(|| "--layers".to_owned()),
             self.quality.map(|quality| format!("--quality {}", word(quality))),
             self.supersample.map(|rays| format!("--supersample {rays}")),
             self.exact.then(|| "--exact".to_owned()),
+            self.shutter.map(|share| format!("--shutter {share}")),
+            self.samples.map(|samples| format!("--samples {samples}")),
         ];
         let first = |words: &[Option<String>]| words.iter().flatten().next().cloned();
         match (first(&of_paths), first(&of_others)) {
@@ -189,6 +242,49 @@ impl PictureOptions {
             )),
             _ => Ok(()),
         }
+    }
+
+    /// Layers are of one moment.
+    fn check_blur(&self) -> Result<()> {
+        let given = [
+            self.shutter.map(|share| format!("--shutter {share}")),
+            self.samples.map(|samples| format!("--samples {samples}")),
+        ];
+        match given.into_iter().flatten().next() {
+            Some(word) if self.layers.is_some() => Err(Error::Argument(format!(
+                "{word} and --layers don't go together, for depths and names have no mean: leave one out; with \
+                 --layers=light,motion a compositor blurs"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// How a picture of `scene`, at `fps` frames a second, is blurred; not at all where it is of a pinhole and a moment.
+    ///
+    /// # Errors
+    /// Where samples are asked for and there is nothing to blur.
+    fn blur(&self, scene: &Scene, fps: f64) -> Result<Option<Blur>> {
+        let has_aperture = scene.camera.as_ref().is_some_and(|camera| camera.aperture.is_some());
+        let samples = self.samples.unwrap_or(SAMPLES);
+        match (self.shutter, has_aperture && !self.traces_paths() && self.layers.is_none()) {
+            (None, false) if self.samples.is_some_and(|samples| samples > 1) => {
+                Err(Error::Argument(format!(
+                    "--samples {samples} average nothing: add --shutter 0.5 for motion blur, or give the camera an `aperture`"
+                )))
+            }
+            (None, false) => Ok(None),
+            _ if samples == 1 => Ok(None),
+            (share, _) => Ok(Some(Blur { samples, open: share.unwrap_or(0.0) / fps })),
+        }
+    }
+
+    /// The moments that a picture of `scene` shows beside its own, s.
+    ///
+    /// # Errors
+    /// As [`PictureOptions::blur`].
+    pub fn moments(&self, scene: &Scene, fps: f64) -> Result<Vec<f64>> {
+        let blur = self.blur(scene, fps)?.filter(|blur| blur.open > 0.0);
+        Ok(blur.map(|blur| blur.moments(scene).collect()).unwrap_or_default())
     }
 
     /// As many rays as were asked for must go into one texture.
@@ -266,19 +362,8 @@ impl PictureOptions {
     ) -> Result<Option<Estimate>> {
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", job.output.display()));
-        if self.layers {
-            let layers =
-                painter.renderer.render_layers(&painter.gpu, &job.frame, progress).map_err(unwritten)?;
-            let n = self.film().rays() as usize;
-            export::write_layers_noted(
-                job.output,
-                &painter.gpu,
-                &layers,
-                self.transparent,
-                n,
-                &self.noted(job),
-            )?;
-            return Ok(None);
+        if let Some(kinds) = self.layer_kinds() {
+            return self.draw_layers(painter, job, &kinds, progress).map_err(unwritten).map(|()| None);
         }
         let drawn = self.draw(painter, job, progress).map_err(unwritten)?;
         self.write(painter, job, &drawn).map_err(unwritten)?;
@@ -286,6 +371,62 @@ impl PictureOptions {
             Some(estimate) if drawn.stopped => Err(Error::Stopped { kept: kept(job.output, &estimate) }),
             estimate => Ok(estimate),
         }
+    }
+
+    /// The kinds of layers that are wanted.
+    fn layer_kinds(&self) -> Option<Vec<LayerKind>> {
+        self.layers.as_ref().map(|names| names.iter().map(|name| name.kind()).collect())
+    }
+
+    /// Whether what is drawn of a moment depends on what comes after it.
+    pub fn sees_motion(&self) -> bool {
+        self.layer_kinds().is_some_and(|kinds| kinds.contains(&LayerKind::Motion))
+    }
+
+    fn draw_layers(
+        &self,
+        painter: &mut Painter,
+        job: &Job<'_>,
+        kinds: &[LayerKind],
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<()> {
+        let Painter { gpu, renderer } = painter;
+        let next = job.next.as_ref().filter(|_| kinds.contains(&LayerKind::Motion));
+        let go_apart = next.is_some_and(|(_, movement)| movement.of_all().is_none());
+        let layers = if go_apart || kinds.contains(&LayerKind::Clouds) {
+            renderer.render_layers_and_mattes(gpu, &job.frame, progress)?
+        } else {
+            renderer.render_layers(gpu, &job.frame, progress)?
+        };
+        let moment = job.scene.at(job.scene.time)?;
+        let names: Vec<_> = moment.clouds.iter().enumerate().map(|(i, cloud)| cloud.label(i)).collect();
+        let of = Layered {
+            layers: &layers,
+            frame: &job.frame,
+            next: next.map(|(frame, movement)| (frame, movement)),
+            names: &names,
+            reduce: self.film().rays() as usize,
+        };
+        export::write_layers_of(job.output, gpu, of, kinds, self.transparent, &self.noted(job))
+    }
+
+    /// What is seen `span` seconds after the scene's own time, through the camera of `later`, and how far clouds go until
+    /// then; where that is asked for.
+    ///
+    /// # Errors
+    /// Where the scene is not good then.
+    pub fn next(
+        &self,
+        scene: &Scene,
+        frame: &Frame,
+        later: &Scene,
+        span: f64,
+    ) -> Result<Option<(Frame, Movement)>> {
+        if !self.sees_motion() {
+            return Ok(None);
+        }
+        let camera = later.at(later.time)?.camera();
+        Ok(Some((frame.seen_by(&camera, frame.size())?, scene.movement(scene.time, span)?)))
     }
 
     /// Draws a picture; writes nothing but what a path traced one keeps on the way.
@@ -297,7 +438,11 @@ impl PictureOptions {
             return self.trace(painter, job, progress);
         }
         let Painter { gpu, renderer } = painter;
-        let picture = self.film().take(gpu, renderer, &job.frame, !self.transparent, progress)?;
+        let (film, sky) = (self.film(), !self.transparent);
+        let picture = match self.blur(job.scene, job.fps)? {
+            Some(blur) => film.expose(gpu, renderer, job.scene, blur, sky, progress)?,
+            None => film.take(gpu, renderer, &job.frame, sky, progress)?,
+        };
         Ok(Drawn { picture, estimate: None, stopped: false })
     }
 
@@ -443,8 +588,17 @@ mod tests {
         let scene = Preset::Sphere.scene(1);
         let frame = options.frame(&scene).unwrap();
         let notes = Notes::default();
-        let job =
-            Job { scene: &scene, frame, metered: None, output: &output, resume: false, keep: false, notes };
+        let job = Job {
+            scene: &scene,
+            frame,
+            fps: 24.0,
+            next: None,
+            metered: None,
+            output: &output,
+            resume: false,
+            keep: false,
+            notes,
+        };
         options.draw_to_file(&mut painter, &job, &mut |_| {}).unwrap();
         let whole = std::fs::read(&output).unwrap();
         painter.gpu.device.destroy();

@@ -19,7 +19,7 @@ use crate::{
     gpu::{self, PassTime},
     reference::Estimate,
     render::Counts,
-    scene::Scene,
+    scene::{Scene, Timeline},
 };
 
 /// Render a scene file to a picture.
@@ -83,9 +83,20 @@ impl Render {
         check_place(&self.output)?;
         let mut scene = Scene::load(&self.scene).map_err(|error| error.in_file(&self.scene))?;
         scene.time = self.time.unwrap_or(scene.time);
-        scene = self.camera.see(scene)?;
+        let fps = scene.timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps);
+        let span = 1.0 / fps;
+        let mut later = Scene { time: scene.time + span, ..scene.clone() };
+        if self.picture.sees_motion() {
+            later = self.camera.see(later)?;
+        }
+        scene = match self.picture.shutter {
+            Some(_) => self.camera.see_over_time(scene, fps)?,
+            None => self.camera.see(scene)?,
+        };
+        self.picture.moments(&scene, fps)?;
         // What is wrong with the scene is told before an adapter is looked for.
         let frame = self.picture.frame(&scene)?;
+        let next = self.picture.next(&scene, &frame, &later, span)?;
         let mut painter = self.picture.painter()?;
         painter.count(self.stats);
         let started = Instant::now();
@@ -100,6 +111,8 @@ impl Render {
         let job = Job {
             scene: &scene,
             frame,
+            fps,
+            next,
             metered,
             output: &self.output,
             resume: self.resume,

@@ -9,12 +9,7 @@ use exr::{
 use half::f16;
 
 use super::{ColorSpace, Notes, Picture};
-use crate::{
-    Result,
-    files::write_whole,
-    gpu::Gpu,
-    render::{Layers, LightLayers},
-};
+use crate::{Result, files::write_whole};
 
 /// Writes one picture as R, G, B, A.
 ///
@@ -32,58 +27,6 @@ pub fn write_beauty_noted(path: &Path, picture: &Picture, notes: &Notes) -> Resu
     write_channels(path, picture, channels("", picture), notes, Attributes::new())
 }
 
-/// Writes the beauty and the layers that it is the sum of:
-/// `beauty = sky * transmittance + single + multiple + air`, and `depth.Z`, the distance
-/// of the clouds in metres, 1e10 where there are none. A `transparent` beauty leaves the
-/// sky out and has the clouds' alpha. Where there are lights beside the sun, `light.sun` and `light.NAME` have what
-/// each of them gives to the beauty. Squares of `reduce` pixels become one.
-///
-/// # Errors
-/// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
-/// can't be written.
-pub fn write_layers(path: &Path, gpu: &Gpu, layers: &Layers, transparent: bool, reduce: usize) -> Result<()> {
-    write_layers_noted(path, gpu, layers, transparent, reduce, &Notes::default())
-}
-
-/// The same with notes, as attributes.
-///
-/// # Errors
-/// [`crate::Error::Gpu`] when the device fails, [`crate::Error::File`] when the file
-/// can't be written.
-pub fn write_layers_noted(
-    path: &Path,
-    gpu: &Gpu,
-    layers: &Layers,
-    transparent: bool,
-    reduce: usize,
-    notes: &Notes,
-) -> Result<()> {
-    let read = |texture: &wgpu::Texture| Picture::read(gpu, texture).map(|picture| picture.reduced(reduce));
-    let mut list = Vec::new();
-    let mut all = Apart::read(&layers.sun, layers.unit, read)?;
-    if !layers.lights.is_empty() {
-        list.extend(without_alpha(channels("light.sun", &all.beauty(transparent))));
-    }
-    for (name, light) in &layers.lights {
-        let light = Apart::read(light, layers.unit, read)?;
-        list.extend(without_alpha(channels(&format!("light.{name}"), &light.beauty(transparent))));
-        all.add(&light);
-    }
-    let (distance, normal) = (read(&layers.distance)?, read(&layers.normal)?);
-    list.extend(channels("", &all.beauty(transparent)));
-    let Apart([sky, single, multiple, air]) = &all;
-    for (name, layer) in [("sky", sky), ("single", single), ("multiple", multiple), ("air", air)] {
-        list.extend(without_alpha(channels(name, layer)));
-    }
-    let from = |picture: &Picture, value: fn(&[f32; 4]) -> f32| picture.pixels.iter().map(value).collect();
-    list.push(("transmittance.Y".to_owned(), from(single, |pixel| 1.0 - pixel[3])));
-    list.push(("depth.Z".to_owned(), from(&distance, metres)));
-    for (axis, name) in ["normal.X", "normal.Y", "normal.Z"].into_iter().enumerate() {
-        list.push((name.to_owned(), normal.pixels.iter().map(|pixel| pixel[axis]).collect()));
-    }
-    write_channels(path, sky, list, notes, Attributes::new())
-}
-
 /// Writes channels by their names, such as `Y` or `depth.Z`, row by row from the top: half floats, or
 /// floats in the layers `depth`, `cloud` and `error`.
 ///
@@ -92,47 +35,6 @@ pub fn write_layers_noted(
 pub fn write_named(path: &Path, [width, height]: [usize; 2], list: &[(String, Vec<f32>)]) -> Result<()> {
     let size = Picture { width, height, pixels: Vec::new() };
     write_channels(path, &size, list.to_vec(), &Notes::default(), Attributes::new())
-}
-
-/// Distance in metres; a cloud that hides less than a thousandth is none.
-fn metres(pixel: &[f32; 4]) -> f32 {
-    if pixel[3] > 1e-3 { 1e3 * pixel[0] / pixel[3] } else { 1e10 }
-}
-
-/// What light is made of: sky, single, multiple, air.
-struct Apart([Picture; 4]);
-
-impl Apart {
-    fn read(
-        light: &LightLayers,
-        unit: f32,
-        read: impl Fn(&wgpu::Texture) -> Result<Picture>,
-    ) -> Result<Self> {
-        let layer = |texture| Ok(read(texture)?.times(unit));
-        Ok(Self([layer(&light.sky)?, layer(&light.single)?, layer(&light.multiple)?, layer(&light.air)?]))
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.0.iter_mut().zip(&other.0).for_each(|(own, other)| own.add_light(other));
-    }
-
-    /// Put together again: opaque over the sky, or the clouds alone.
-    fn beauty(&self, transparent: bool) -> Picture {
-        let Self([sky, light @ ..]) = self;
-        let pixel = |(i, behind): (usize, &[f32; 4])| {
-            let alpha = light[0].pixels[i][3];
-            let mut sum = behind.map(|c| if transparent { 0.0 } else { c * (1.0 - alpha) });
-            for layer in light {
-                sum.iter_mut().zip(layer.pixels[i]).for_each(|(sum, c)| *sum += c);
-            }
-            [sum[0], sum[1], sum[2], if transparent { alpha } else { 1.0 }]
-        };
-        Picture { pixels: sky.pixels.iter().enumerate().map(pixel).collect(), ..*sky }
-    }
-}
-
-fn without_alpha(channels: Vec<(String, Vec<f32>)>) -> impl Iterator<Item = (String, Vec<f32>)> {
-    channels.into_iter().filter(|(name, _)| !name.ends_with('A'))
 }
 
 pub(super) fn channels(layer: &str, picture: &Picture) -> Vec<(String, Vec<f32>)> {
@@ -157,14 +59,18 @@ const LEAST_HALF: f32 = 1e-3;
 /// What a file tells beside its pixels.
 pub(super) type Attributes = HashMap<openexr::Text, AttributeValue>;
 
-/// Layers that half floats can't hold: depths, and what is added to later.
-const FLOATS: [&str; 3] = ["depth.", "cloud.", "error."];
+/// Layers that half floats can't hold: lengths, numbers that are names, and what is added to later.
+const FLOATS: [&str; 7] = ["depth.", "planar.", "position.", "motion.", "CryptoCloud", "cloud.", "error."];
+
+fn is_float(name: &str) -> bool {
+    FLOATS.iter().any(|layer| name.starts_with(layer))
+}
 
 /// Puts the colours of all layers but [`FLOATS`] into another space.
 fn put_into(color: ColorSpace, list: &mut [(String, Vec<f32>)]) {
     let layer_of = |name: &str| name.strip_suffix('R').map(str::to_owned);
     let layers: Vec<String> = list.iter().filter_map(|(name, _)| layer_of(name)).collect();
-    for layer in layers.iter().filter(|layer| !FLOATS.contains(&layer.as_str())) {
+    for layer in layers.iter().filter(|layer| !is_float(layer)) {
         let place = |c: &str| list.iter().position(|(name, _)| *name == format!("{layer}{c}"));
         let (Some(r), Some(g), Some(b)) = (place("R"), place("G"), place("B")) else { continue };
         for i in 0..list[r].1.len() {
@@ -187,7 +93,6 @@ pub(super) fn write_channels(
     }
     let mut attributes = notes.attributes();
     attributes.extend(more);
-    let is_float = |name: &str| FLOATS.iter().any(|layer| name.starts_with(layer));
     let is_light = |name: &str| name.ends_with(['R', 'G', 'B']) && !is_float(name);
     let light = list.iter().filter(|(name, _)| is_light(name)).flat_map(|(_, values)| values);
     let halves = held_by_halves(light);

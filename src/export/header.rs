@@ -134,19 +134,20 @@ fn camera_from_world(camera: &Camera) -> DMat4 {
 /// From the camera to the picture: x to the right and y up from -1 to 1; z from -1 at [`NEAR`] to 1 at [`FAR`].
 fn screen_from_camera(camera: &Camera, aspect: f64) -> Option<DMat4> {
     let depth = FAR - NEAR;
+    let [right, up] = camera.shift(aspect);
     match (camera.projection.vertical_fov(aspect), camera.projection) {
         (Some(fov), _) => {
             let y = 1.0 / (0.5 * fov).tan();
             Some(DMat4::from_cols(
                 DVec4::new(y / aspect, 0.0, 0.0, 0.0),
                 DVec4::new(0.0, y, 0.0, 0.0),
-                DVec4::new(0.0, 0.0, -(FAR + NEAR) / depth, -1.0),
+                DVec4::new(right, up, -(FAR + NEAR) / depth, -1.0),
                 DVec4::new(0.0, 0.0, -2.0 * FAR * NEAR / depth, 0.0),
             ))
         }
         (None, Projection::Orthographic { height }) => {
             let scale = DVec3::new(2.0 / (height * aspect), 2.0 / height, -2.0 / depth);
-            let middle = DVec3::new(0.0, 0.0, -(FAR + NEAR) / depth);
+            let middle = DVec3::new(-right, -up, -(FAR + NEAR) / depth);
             Some(DMat4::from_translation(middle) * DMat4::from_scale(scale))
         }
         _ => None,
@@ -220,14 +221,16 @@ mod tests {
 
     #[test]
     fn what_is_on_the_rim_of_the_picture_is_at_one() {
-        let camera = Camera { position: DVec3::new(10.0, 20.0, 30.0), ..Camera::default() };
+        let (shift_x, shift_y) = (0.1, -0.3);
+        let camera = Camera { position: DVec3::new(10.0, 20.0, 30.0), shift_x, shift_y, ..Camera::default() };
         for projection in [Projection::default(), Projection::Orthographic { height: 80.0 }] {
             let camera = Camera { projection, ..camera.clone() };
             let half = match projection.vertical_fov(2.0) {
                 Some(fov) => 100.0 * (0.5 * fov).tan(),
                 None => 40.0,
             };
-            let corner = DVec3::new(2.0 * half, -half, -100.0);
+            // The width is four times half the height.
+            let corner = DVec3::new(2.0 * half + shift_x * 4.0 * half, -half + shift_y * 4.0 * half, -100.0);
             let world = camera.world_from_camera() * corner + camera.position;
             let screen = screen_from_camera(&camera, 2.0).unwrap() * camera_from_world(&camera);
             let at = screen.project_point3(world);

@@ -66,6 +66,7 @@ pub fn meter_around(studio: &mut Studio, scene: &Scene) -> Result<f64> {
 
 fn looking(scene: &Scene, direction: DVec3, roll_deg: f64, projection: Projection) -> Scene {
     let position = scene.camera().position;
-    let camera = Camera { position, target: position + 1000.0 * direction, roll_deg, projection };
+    let camera =
+        Camera { position, target: position + 1000.0 * direction, roll_deg, projection, ..Camera::default() };
     scene.seen_by(camera)
 }

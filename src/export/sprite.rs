@@ -126,6 +126,7 @@ impl Subject {
             target,
             roll_deg: 0.0,
             projection: Projection::Orthographic { height: 2.0 * self.half },
+            ..Camera::default()
         };
         let mut scene = self.scene.seen_by(camera);
         let further = scene.lights.iter_mut().filter_map(|light| light.source.as_sun_mut());

@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use glam::{DVec3, Vec2, Vec3, Vec3A};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec3A};
 
 use crate::scene::{Camera, Projection};
 
@@ -52,12 +52,19 @@ impl CameraUniform {
                 ([1.0, 1.0], Self::EQUIRECTANGULAR, std::f64::consts::PI / f64::from(height))
             }
         };
+        let [x, y] = camera.shift(aspect);
+        // Parallel lines of sight begin elsewhere, others are turned.
+        let shift = if projection == Self::PERSPECTIVE {
+            x * half[0] * right + y * half[1] * up
+        } else {
+            DVec3::ZERO
+        };
         Self {
             right: (right * half[0]).as_vec3(),
             projection,
             up: (up * half[1]).as_vec3(),
-            altitude: (camera.position.y - ground) as f32,
-            forward: forward.as_vec3(),
+            altitude: (camera.eye(aspect).y - ground) as f32,
+            forward: (forward + shift).as_vec3(),
             pixel: pixel as f32,
             axis: forward.as_vec3(),
             jitter: 0.0,
@@ -117,5 +124,94 @@ impl CameraUniform {
             _ => (Vec3::ZERO, (self.forward + across).normalize()),
         };
         (origin.into(), direction.into())
+    }
+
+    /// Where a point is seen that is at `p` from the camera, m: x to the right and y up, both from -1 to 1 in the picture.
+    /// None of what is behind a perspective camera. The inverse of [`CameraUniform::ray`].
+    pub(crate) fn place_of(&self, p: DVec3) -> Option<DVec2> {
+        let [right, up, forward, axis] = [self.right, self.up, self.forward, self.axis].map(Vec3::as_dvec3);
+        let along =
+            |v: DVec3| DVec2::new(v.dot(right) / right.length_squared(), v.dot(up) / up.length_squared());
+        match self.projection {
+            Self::ORTHOGRAPHIC => Some(along(p - p.dot(axis) / forward.dot(axis) * forward)),
+            Self::EQUIRECTANGULAR => {
+                let azimuth = p.dot(right).atan2(p.dot(forward));
+                let elevation = p.normalize_or_zero().dot(up).clamp(-1.0, 1.0).asin();
+                Some(DVec2::new(azimuth / std::f64::consts::PI, elevation / std::f64::consts::FRAC_PI_2))
+            }
+            _ => {
+                let depth = p.dot(axis) / forward.dot(axis);
+                (depth > 0.0).then(|| along(p / depth - forward))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Aperture;
+
+    const SIZE: [u32; 2] = [1600, 900];
+
+    fn lens() -> Camera {
+        let aperture = Some(Aperture { radius: Some(3.0), f_stop: None, focus: 500.0 });
+        let position = DVec3::new(30.0, 800.0, -200.0);
+        let target = position + DVec3::new(300.0, 120.0, -700.0);
+        Camera { position, target, roll_deg: 20.0, shift_x: 0.1, aperture, ..Camera::default() }
+    }
+
+    #[test]
+    fn places_and_rays_are_inverse() {
+        let projections = [
+            Projection::default(),
+            Projection::Lens { focal_length_mm: 24.0, sensor_width_mm: 36.0 },
+            Projection::Orthographic { height: 400.0 },
+            Projection::Equirectangular,
+        ];
+        for projection in projections {
+            let uniform = CameraUniform::new(&Camera { projection, ..lens() }, 0.0, SIZE);
+            for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.93, 0.7)] {
+                let (origin, direction) = uniform.ray(Vec2::new(u, v));
+                let p = Vec3::from(origin + 3000.0 * direction).as_dvec3();
+                let found = uniform.place_of(p).unwrap();
+                let expected = DVec2::new(2.0 * f64::from(u) - 1.0, 1.0 - 2.0 * f64::from(v));
+                // Floats of 3 km.
+                assert!(found.distance(expected) < 3e-6, "{projection:?}: {found} {expected}");
+            }
+        }
+        let ahead = CameraUniform::new(&lens(), 0.0, SIZE);
+        assert_eq!(ahead.place_of(-lens().forward()), None);
+    }
+
+    #[test]
+    fn a_lens_shift_is_that_of_the_whole_picture() {
+        let still = CameraUniform::new(&Camera { shift_x: 0.0, ..lens() }, 0.0, SIZE);
+        let shifted = CameraUniform::new(&lens(), 0.0, SIZE);
+        for p in [lens().forward(), 900.0 * lens().forward() + DVec3::new(40.0, 100.0, 3.0)] {
+            // A tenth of the width, which is 2, to the left.
+            let moved = shifted.place_of(p).unwrap() - still.place_of(p).unwrap();
+            assert!(moved.distance(DVec2::new(-0.2, 0.0)) < 1e-6, "{moved}");
+        }
+    }
+
+    /// The circle of confusion of a thin lens: a point at depth z is seen R (1/z - 1/focus) off, in tangents.
+    #[test]
+    fn what_is_at_the_focus_stays_and_other_things_go_by_a_thin_lens() {
+        let (camera, aspect) = (lens(), 16.0 / 9.0);
+        let half = aspect * (20f64).to_radians().tan();
+        let turn = camera.world_from_camera();
+        for [x, y] in [[0.0, 0.0], [1.0, 0.0], [-0.3, 0.8]] {
+            let through = camera.through([x, y], aspect);
+            let [middle, edge] = [&camera, &through].map(|camera| CameraUniform::new(camera, 0.0, SIZE));
+            for depth in [100.0, 500.0, 4000.0] {
+                let p = camera.position + turn * DVec3::new(0.1 * depth, -0.05 * depth, -depth);
+                let before = middle.place_of(p - camera.position).unwrap();
+                let moved = edge.place_of(p - through.position).unwrap() - before;
+                let off = -3.0 * (1.0 / depth - 1.0 / 500.0);
+                let expected = DVec2::new(x * off / half, y * off * aspect / half);
+                assert!(moved.distance(expected) < 1e-6, "{depth}: {moved} {expected}");
+            }
+        }
     }
 }

@@ -62,6 +62,8 @@ pub(crate) struct CloudFrame {
     /// Half the extent along the world's axes, m.
     pub half: DVec3,
     pub medium: Shared<Medium>,
+    /// Which cloud of the moment it is.
+    pub number: usize,
 }
 
 impl Frame {
@@ -100,7 +102,8 @@ impl Frame {
     pub fn seen_by(&self, camera: &scene::Camera, size: [u32; 2]) -> Result<Self> {
         check_size(size)?;
         let uniform = CameraUniform::new(camera, self.ground, size);
-        Ok(Self { camera: uniform, ..self.clone() }.seen_at(camera.position))
+        let eye = camera.eye(f64::from(size[0]) / f64::from(size[1]));
+        Ok(Self { camera: uniform, ..self.clone() }.seen_at(eye))
     }
 
     /// The same picture in `size` pixels, which are as wide as high only where it has the same shape.
@@ -181,11 +184,11 @@ fn check_size(size: [u32; 2]) -> Result<()> {
 
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     let mut frames = Vec::new();
-    for cloud in &scene.clouds {
+    for (number, cloud) in scene.clouds.iter().enumerate() {
         if let Some(shape) = LayerShape::new(cloud, scene.ground.altitude) {
             let (origin, half) = (shape.anchor(), shape.half());
             let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);
-            frames.push(CloudFrame { origin, half, medium });
+            frames.push(CloudFrame { origin, half, medium, number });
         }
         if let Some(volume) = cloud.volume.as_ref().filter(|volume| volume.read_grid().is_none()) {
             return Err(volume.unread());
@@ -199,7 +202,7 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             None => Medium::new(cloud, &scene.noise, (min, max), origin)?,
         };
         let medium = Shared::new(medium);
-        frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium });
+        frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium, number });
     }
     Ok(frames)
 }

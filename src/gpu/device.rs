@@ -146,15 +146,24 @@ impl Gpu {
     }
 }
 
-/// The device that this crate asks of an adapter.
+/// Bytes of all targets of a pixel that let light and what is where be drawn at once.
+const MOST_TARGET_BYTES: u32 = 64;
+
+/// The device that this crate asks of an adapter: what it may offer beyond WebGPU's least is taken, and done without
+/// where it is not.
 pub(crate) fn wanted(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
-    let least = wgpu::Limits::default().max_storage_buffers_per_shader_stage;
-    let offered = adapter.limits().max_storage_buffers_per_shader_stage;
-    let max_storage_buffers_per_shader_stage = offered.clamp(least, MOST_BUFFERS);
+    let (least, offered) = (wgpu::Limits::default(), adapter.limits());
+    let buffers = |limits: &wgpu::Limits| limits.max_storage_buffers_per_shader_stage;
+    let bytes = |limits: &wgpu::Limits| limits.max_color_attachment_bytes_per_sample;
+    let required_limits = wgpu::Limits {
+        max_storage_buffers_per_shader_stage: buffers(&offered).clamp(buffers(&least), MOST_BUFFERS),
+        max_color_attachment_bytes_per_sample: bytes(&offered).clamp(bytes(&least), MOST_TARGET_BYTES),
+        ..least
+    };
     wgpu::DeviceDescriptor {
         label: Some("nephos"),
         required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
-        required_limits: wgpu::Limits { max_storage_buffers_per_shader_stage, ..Default::default() },
+        required_limits,
         ..Default::default()
     }
 }

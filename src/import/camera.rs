@@ -15,8 +15,11 @@ pub struct MovingCamera {
     file: Gltf,
     motion: Motion,
     node: usize,
-    projection: Projection,
+    lens: Seen,
 }
+
+/// How directions become places: the projection, and how far the lens is shifted.
+type Seen = (Projection, [f64; 2]);
 
 /// The camera of a .gltf or .glb file called `name` (that of the camera or of its node), or the first, as it is
 /// at the beginning. The picture's own aspect counts, not that of the file.
@@ -36,15 +39,15 @@ impl MovingCamera {
         let file = Gltf::open(path)?;
         let mut cameras = Vec::new();
         for (index, node, lens) in file.with_cameras() {
-            if let Some(projection) = projection(lens) {
+            if let Some(projection) = projection(lens).map(|projection| (projection, shift(lens))) {
                 let names = [&node.name, &lens.name].map(|name| name.clone().unwrap_or_default());
                 cameras.push((index, projection, names));
             }
         }
         let wanted = |names: &[String; 2]| name.is_none_or(|name| names.iter().any(|own| own == name));
-        if let Some(&(node, projection, _)) = cameras.iter().find(|(.., names)| wanted(names)) {
+        if let Some(&(node, lens, _)) = cameras.iter().find(|(.., names)| wanted(names)) {
             let motion = file.motion(node)?;
-            return Ok(Self { file, motion, node, projection });
+            return Ok(Self { file, motion, node, lens });
         }
         let list: Vec<_> = cameras.iter().map(|(.., [node, _])| format!("`{node}`")).collect();
         let problem = match name {
@@ -62,7 +65,7 @@ impl MovingCamera {
     /// The camera at `time`, s.
     pub fn at(&self, time: f64) -> Camera {
         let world = self.file.world_at(self.node, &self.motion, time).unwrap_or_default();
-        placed(world, self.projection)
+        placed(world, self.lens)
     }
 }
 
@@ -74,12 +77,26 @@ fn projection(lens: &Lens) -> Option<Projection> {
     }
 }
 
+/// How far the lens is shifted, shares of the picture's width: no part of glTF, but nephos writes it beside.
+fn shift(lens: &Lens) -> [f64; 2] {
+    ["shift_x", "shift_y"]
+        .map(|name| lens.extras.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0))
+}
+
 /// A camera looks along -z of its node, and y is up in the picture.
-fn placed(world_from_node: DMat4, projection: Projection) -> Camera {
+fn placed(world_from_node: DMat4, (projection, [shift_x, shift_y]): Seen) -> Camera {
     let position = world_from_node.w_axis.truncate();
     let forward = -world_from_node.z_axis.truncate().normalize_or(DVec3::Z);
     let up = world_from_node.y_axis.truncate();
-    let mut camera = Camera { position, target: position + 1000.0 * forward, roll_deg: 0.0, projection };
+    let mut camera = Camera {
+        position,
+        target: position + 1000.0 * forward,
+        roll_deg: 0.0,
+        projection,
+        shift_x,
+        shift_y,
+        aperture: None,
+    };
     let level = camera.world_from_camera();
     camera.roll_deg = up.dot(level * DVec3::X).atan2(up.dot(level * DVec3::Y)).to_degrees();
     camera

@@ -135,6 +135,7 @@ fn seen(mut scene: Scene, to_camera: DVec3) -> Scene {
         projection: Projection::Perspective {
             vertical_fov_deg: 2.0 * (half_height / distance).atan().to_degrees(),
         },
+        ..Camera::default()
     });
     scene
 }
@@ -155,6 +156,7 @@ fn looking(mut scene: Scene, position: DVec3, forward: DVec3, vertical_fov_deg: 
         target: position + 1000.0 * forward.normalize(),
         roll_deg: 0.0,
         projection: Projection::Perspective { vertical_fov_deg },
+        ..Camera::default()
     });
     scene
 }

@@ -62,6 +62,7 @@ fn seen(clouds: Vec<Cloud>) -> Scene {
             target: DVec3::new(0.0, 800.0, -2000.0),
             roll_deg: 0.0,
             projection: Projection::Perspective { vertical_fov_deg: 40.0 },
+            ..Camera::default()
         }),
         ..Scene::default()
     }

@@ -24,12 +24,12 @@ pub use march::{
     Counts, Variant,
     voxels::{VoxelGrid, Voxels},
 };
+pub use picture::{
+    Blur, Film, HeatMap, Layers, LightLayers, Matte, MattePixel, Picture, Pieces, Renderer, Resolve,
+    SceneDepth, Shown, Target, metered_alone,
+};
 #[cfg(test)]
 pub(crate) use picture::{ComposeUniform, ResolveUniform, resolve_uniform};
-pub use picture::{
-    Film, HeatMap, Layers, LightLayers, Picture, Pieces, Renderer, Resolve, SceneDepth, Shown, Target,
-    metered_alone,
-};
 pub use quality::Quality;
 pub use settings::Settings;
 pub use shadow::SunMap;

@@ -12,6 +12,10 @@ const ROLL: Limits = Limits::new(-360.0, 360.0, "degrees");
 const FIELD_OF_VIEW: Limits = Limits::new(0.1, 170.0, "degrees");
 const FOCAL_LENGTH: Limits = Limits::new(0.1, 1e5, "millimetres");
 const SENSOR: Limits = Limits::new(0.1, 1e3, "millimetres");
+const FOCUS: Limits = Limits::new(0.01, 1e6, "metres");
+const F_STOP: Limits = Limits::new(0.1, 1000.0, "");
+const OPENING: Limits = Limits::new(0.0, 1000.0, "metres");
+const SHIFT: Limits = Limits::new(-10.0, 10.0, "");
 const HEIGHT: Limits = Limits::new(0.01, 1e7, "metres");
 
 /// Height of the eye above the ground where a scene has no camera, metres.
@@ -45,6 +49,74 @@ pub struct Camera {
     /// How directions become places in the picture.
     #[serde(default)]
     pub projection: Projection,
+    /// Shifts the lens to the right, as a share of the picture's width, -10 to 10: what is farther right is in the
+    /// picture, and the camera does not turn. Not for equirectangular cameras.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    pub shift_x: f64,
+    /// Shifts the lens upwards, as a share of the picture's width, -10 to 10: verticals of what is high up stay
+    /// parallel where the camera is level. Not for equirectangular cameras.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    pub shift_y: f64,
+    /// How wide the lens is open: what lies before and behind its focus is blurred, in pictures of several samples. A
+    /// pinhole where left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aperture: Option<Aperture>,
+}
+
+/// A lens with a round opening, said by its radius or by its f-stop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Aperture {
+    /// Radius of the opening, metres, 0 to 1000: clouds kilometres away are blurred by openings of metres, as if they
+    /// were small.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = OPENING.min, max = OPENING.max), extend("unit" = OPENING.unit))]
+    pub radius: Option<f64>,
+    /// In place of a radius, the focal length over the diameter of the opening, 0.1 to 1000: for cameras said by their
+    /// lens.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = F_STOP.min, max = F_STOP.max))]
+    pub f_stop: Option<f64>,
+    /// Distance along the line of sight at which the picture is sharp, metres, 0.01 to 1000000.
+    #[schemars(range(min = FOCUS.min, max = FOCUS.max), extend("unit" = FOCUS.unit))]
+    pub focus: f64,
+}
+
+impl Aperture {
+    fn check(&self, projection: Projection, at: At) -> Result<()> {
+        at.field("focus").number(self.focus, FOCUS)?;
+        match (self.radius, self.f_stop, projection) {
+            (_, _, Projection::Orthographic { .. } | Projection::Equirectangular) => Err(at.problem(
+                "blurs what is out of focus, which only perspective cameras and lenses do: leave it out, or choose one of \
+                 these projections"
+                    .to_owned(),
+            )),
+            (Some(radius), None, _) => at.field("radius").number(radius, OPENING),
+            (None, Some(f), Projection::Lens { .. }) => at.field("f_stop").number(f, F_STOP),
+            (None, Some(f), Projection::Perspective { .. }) => Err(at.field("f_stop").problem(format!(
+                "{f} is a share of a focal length, which a camera said by its field of view does not have: give it a `lens`, \
+                 or a `radius` in metres"
+            ))),
+            (None, None, _) | (Some(_), Some(_), _) => {
+                Err(at.problem("is said by a `radius` or by an `f_stop`: give one of them".to_owned()))
+            }
+        }
+    }
+
+    /// Radius of the opening, m.
+    fn radius(&self, projection: Projection) -> f64 {
+        match (self.radius, self.f_stop, projection) {
+            (Some(radius), ..) => radius,
+            (None, Some(f), Projection::Lens { focal_length_mm, .. }) => 0.5e-3 * focal_length_mm / f,
+            _ => 0.0,
+        }
+    }
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// How directions become places in the picture.
@@ -137,7 +209,43 @@ impl Camera {
             target: position + 1000.0 * DVec3::new(0.0, slope, -1.0),
             roll_deg: 0.0,
             projection: Projection::default(),
+            shift_x: 0.0,
+            shift_y: 0.0,
+            aperture: None,
         }
+    }
+
+    /// The camera at a point of its lens, of a disc of radius 1, x to the right and y up, for pictures of `aspect` (width
+    /// over height): what is at its focus is where it was in the picture. The camera itself where it is a pinhole.
+    pub(crate) fn through(&self, [x, y]: [f64; 2], aspect: f64) -> Self {
+        let half = self.projection.vertical_fov(aspect).map(|fov| aspect * (0.5 * fov).tan());
+        let (Some(aperture), Some(half)) = (self.aperture, half) else { return self.clone() };
+        let [x, y] = [x, y].map(|at| at * aperture.radius(self.projection));
+        let offset = self.world_from_camera() * DVec3::new(x, y, 0.0);
+        // Of the width that the picture has at the focus.
+        let width = 2.0 * half * aperture.focus;
+        Self {
+            position: self.position + offset,
+            target: self.target + offset,
+            shift_x: self.shift_x - x / width,
+            shift_y: self.shift_y - y / width,
+            ..self.clone()
+        }
+    }
+
+    /// How far the lens is shifted to the right and up, in halves of the picture's width and height, for a picture of
+    /// `aspect` (width over height).
+    pub(crate) fn shift(&self, aspect: f64) -> [f64; 2] {
+        [2.0 * self.shift_x, 2.0 * self.shift_y * aspect]
+    }
+
+    /// Where the lines of sight begin, or those of the middle of the picture do where they are parallel, m: the position,
+    /// but for orthographic cameras with a shifted lens.
+    pub fn eye(&self, aspect: f64) -> DVec3 {
+        let Projection::Orthographic { height } = self.projection else { return self.position };
+        let [x, y] = self.shift(aspect);
+        self.position
+            + self.world_from_camera() * DVec3::new(0.5 * height * aspect * x, 0.5 * height * y, 0.0)
     }
 
     /// Unit vector of the line of sight, from the camera to its target.
@@ -210,7 +318,16 @@ impl Camera {
             )));
         }
         at.field("roll_deg").number(self.roll_deg, ROLL)?;
-        self.projection.check(at.field("projection"))
+        for (name, shift) in [("shift_x", self.shift_x), ("shift_y", self.shift_y)] {
+            at.field(name).number(shift, SHIFT)?;
+            if shift != 0.0 && self.projection == Projection::Equirectangular {
+                return Err(at.field(name).problem(format!(
+                    "{shift} shifts a lens, and an equirectangular camera has none: expected 0"
+                )));
+            }
+        }
+        self.projection.check(at.field("projection"))?;
+        self.aperture.map_or(Ok(()), |aperture| aperture.check(self.projection, at.field("aperture")))
     }
 }
 

@@ -94,6 +94,11 @@ impl Default for Cloud {
 }
 
 impl Cloud {
+    /// What it is called: its name, or its `number` among the clouds.
+    pub fn label(&self, number: usize) -> String {
+        if self.name.is_empty() { format!("cloud {}", number + 1) } else { self.name.clone() }
+    }
+
     /// A layer.
     pub fn layered(name: &str, layer: Layer) -> Self {
         Self { name: name.to_owned(), layer: Some(layer), ..Self::default() }

@@ -118,8 +118,8 @@ impl Lightning {
     }
 }
 
-/// What files call the sun's own light.
-const SUN: &str = "sun";
+/// What files call the light of the sun and of the sky.
+const TAKEN: [&str; 2] = ["sun", "sky"];
 
 fn is_usual(character: char) -> bool {
     character.is_ascii_alphanumeric() || " -_".contains(character)
@@ -145,7 +145,7 @@ pub(super) fn check(lights: &[Light], at: At) -> Result<()> {
             )));
         }
         let others = lights[..i].iter().enumerate().map(|(number, other)| other.label(number));
-        if others.chain([SUN.to_owned()]).any(|other| other == label) {
+        if others.chain(TAKEN.map(str::to_owned)).any(|other| other == label) {
             return Err(name.problem(format!("another light is called `{label}`: give it a name of its own")));
         }
     }

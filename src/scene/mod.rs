@@ -18,6 +18,7 @@ mod layer;
 mod life;
 mod light;
 mod moment;
+mod movement;
 mod noise;
 mod particles;
 mod presets;
@@ -36,7 +37,7 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) use block::voxel;
 pub use block::{BLOCK_EDGE, BLOCK_VOXELS, Block};
-pub use camera::{Camera, Projection};
+pub use camera::{Aperture, Camera, Projection};
 pub use cloud::Cloud;
 pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
@@ -48,6 +49,7 @@ pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
 pub use life::Life;
 pub use light::{Light, LightSource, Lightning, MAX_LIGHTS};
+pub use movement::Movement;
 pub use noise::{Noise, Renewed};
 pub use particles::{Habit, Species};
 #[cfg(feature = "measure")]

@@ -171,7 +171,7 @@ impl Scene {
         let shear = self.shear();
         // Clouds that take over in a loop stand behind all others, so that those keep their places.
         let mut successors = Vec::new();
-        for cloud in &mut self.clouds {
+        for (number, cloud) in self.clouds.iter_mut().enumerate() {
             cloud.fix_noise();
             // What is carried off is not where it grows.
             cloud.growth = None;
@@ -192,6 +192,7 @@ impl Scene {
                     // Two clouds, of which the denser one counts: one fades where the other is whole.
                     let mut coming = part(cloud, 2.0 * time / period, gone - round);
                     shear.lean(&mut coming.ellipsoids, time - period);
+                    coming.name = cloud.label(number);
                     successors.extend(Some(coming).filter(|coming| !coming.is_empty()));
                     *cloud = part(cloud, 2.0 * (1.0 - time / period), gone);
                     shear.lean(&mut cloud.ellipsoids, time);

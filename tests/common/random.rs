@@ -201,7 +201,7 @@ fn camera() -> impl Strategy<Value = Camera> {
         1 => Just(Projection::Equirectangular),
     ];
     (direction(), log(1.0, 1e4), 0.0..360.0, projection).prop_map(|(way, distance, roll_deg, projection)| {
-        Camera { position: distance * way, target: DVec3::ZERO, roll_deg, projection }
+        Camera { position: distance * way, target: DVec3::ZERO, roll_deg, projection, ..Camera::default() }
     })
 }
 

@@ -36,6 +36,7 @@ pub fn two_lumps() -> Scene {
         target: DVec3::new(0.0, 1000.0, 0.0),
         roll_deg: 0.0,
         projection: Projection::default(),
+        ..Camera::default()
     };
     let clouds = vec![Cloud { ellipsoids, ..Cloud::default() }];
     Scene { clouds, camera: Some(camera), ..Scene::default() }

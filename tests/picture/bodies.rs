@@ -34,6 +34,7 @@ fn along(scene: &Scene, place: DVec3, direction: DVec3) -> Scene {
         target: place,
         roll_deg: 0.0,
         projection: Projection::Orthographic { height: 0.01 },
+        ..Camera::default()
     };
     Scene { camera: Some(camera), ..scene.clone() }
 }
@@ -176,6 +177,7 @@ fn pair() -> Scene {
         target: DVec3::new(0.0, 1010.0, 0.0),
         roll_deg: 0.0,
         projection: Projection::Orthographic { height: 220.0 },
+        ..Camera::default()
     });
     scene
 }
@@ -307,6 +309,7 @@ fn wind_makes_no_light_for_clouds_with_noise_of_their_own() {
         target: middle,
         roll_deg: 0.0,
         projection: Projection::Orthographic { height: 450.0 },
+        ..Camera::default()
     };
     let mut renderer = renderer(still(Quality::DRAFT), Transport::MOMENTS);
     renderer.settings.bake_from = 2;

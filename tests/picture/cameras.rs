@@ -156,8 +156,13 @@ fn depth_is_along_the_axis_and_not_along_the_middle_of_the_picture() {
     let cloud = scene.clouds[0].bounds().unwrap();
     let middle = 0.5 * (cloud.0 + cloud.1);
     let position = middle + 0.35 * (cloud.1 - cloud.0).length() * DVec3::Z;
-    scene.camera =
-        Some(Camera { position, target: middle, roll_deg: 0.0, projection: Projection::default() });
+    scene.camera = Some(Camera {
+        position,
+        target: middle,
+        roll_deg: 0.0,
+        projection: Projection::default(),
+        ..Camera::default()
+    });
     let matrix = proj::perspective_infinite_reverse(100f32.to_radians(), ASPECT, NEAR);
     let own = Frame::new(&scene, SIZE).unwrap();
     let place = world_from_view(&scene);

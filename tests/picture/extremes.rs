@@ -66,7 +66,13 @@ fn scene(radii: DVec3, optical_depth: f64, distance: f64) -> Scene {
 
 fn camera(distance: f64) -> Camera {
     let projection = Projection::Perspective { vertical_fov_deg: 40.0 };
-    Camera { position: MIDDLE + distance * DVec3::Z, target: MIDDLE, roll_deg: 0.0, projection }
+    Camera {
+        position: MIDDLE + distance * DVec3::Z,
+        target: MIDDLE,
+        roll_deg: 0.0,
+        projection,
+        ..Camera::default()
+    }
 }
 
 fn seen_through(scene: &Scene) -> f64 {

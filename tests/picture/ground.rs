@@ -28,6 +28,7 @@ fn the_ground_hides_what_is_below_and_behind_it() {
         target: target.into(),
         roll_deg: 0.0,
         projection,
+        ..Camera::default()
     };
     let parallel = Projection::Orthographic { height: 1000.0 };
     let lens = Projection::default();

@@ -209,6 +209,7 @@ fn lights_that_are_none_end_in_a_sentence() {
         (r#"[{"name":"a.b","source":{"key":{}}}]"#, "a.b"),
         (r#"[{"name":"月","source":{"key":{}}}]"#, "月"),
         (r#"[{"name":"sun","source":{"key":{}}}]"#, "lights[0].name"),
+        (r#"[{"name":"sky","source":{"key":{}}}]"#, "lights[0].name"),
         (r#"[{"name":"moon2","source":{"key":{}}},{"source":{"moon":{}}}]"#, "lights[1].name"),
         (r#"[{"name":"a","source":{"key":{}}},{"name":"a","source":{"moon":{}}}]"#, "lights[1].name"),
         (r#"[{"name":"a"}]"#, "source"),

@@ -1,6 +1,7 @@
 //! What draws: every pass and picture against closed forms, references and truth, on one device for all.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+mod apart;
 mod atmosphere;
 mod bench;
 mod bodies;

@@ -212,7 +212,13 @@ fn extinction_of_lumps_within_one_another_is_their_mean_by_powers_of_depths() {
 fn along(renderer: &mut Renderer, scene: &Scene, position: DVec3, direction: DVec3) -> f64 {
     let mut scene = scene.clone();
     let projection = Projection::Orthographic { height: 0.01 };
-    scene.camera = Some(Camera { position, target: position + direction, roll_deg: 0.0, projection });
+    scene.camera = Some(Camera {
+        position,
+        target: position + direction,
+        roll_deg: 0.0,
+        projection,
+        ..Camera::default()
+    });
     alphas(&draw(renderer, &scene, [3, 3], false))[4]
 }
 
@@ -374,6 +380,7 @@ fn rotation_of_the_quaternion_turns_the_picture() {
         target: DVec3::new(30.0, 1000.0, -20.0),
         roll_deg: 0.0,
         projection: Projection::Orthographic { height: 260.0 },
+        ..Camera::default()
     };
     turned.camera = Some(camera);
     turned.clouds[0].ellipsoids[0].orientation = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);

@@ -129,6 +129,7 @@ fn a_baked_sphere_dims_by_beer_and_lambert() {
             target: DVec3::new(aside, 1150.0, 0.0),
             roll_deg: 0.0,
             projection: Projection::Orthographic { height: 2.0 },
+            ..Camera::default()
         });
         let picture = draw(&mut baking(1, Transport::SINGLE), &sphere, [3, 3], false);
         let expected = 1.0 - (-chord * sphere.clouds[0].droplets.extinction()).exp();

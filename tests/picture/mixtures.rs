@@ -51,6 +51,7 @@ fn seen(clouds: Vec<Cloud>, theta_deg: f64, height: f64) -> Scene {
             target: DVec3::new(0.0, 1000.0, 0.0),
             projection: Projection::Orthographic { height },
             roll_deg: 0.0,
+            ..Camera::default()
         }),
         ..Scene::default()
     }

@@ -155,7 +155,10 @@ fn light_goes_to_where_the_eye_is_now() {
     let from = |to_camera: DVec3, distance: f64, projection: Projection| {
         let target = DVec3::new(30.0, 910.0, 10.0);
         let position = target + distance * to_camera.normalize();
-        Scene { camera: Some(Camera { position, target, roll_deg: 0.0, projection }), ..scene.clone() }
+        Scene {
+            camera: Some(Camera { position, target, roll_deg: 0.0, projection, ..Camera::default() }),
+            ..scene.clone()
+        }
     };
     let lens = |distance: f64| Projection::Perspective {
         vertical_fov_deg: 2.0 * (150.0 / distance).atan().to_degrees(),
@@ -184,7 +187,7 @@ fn an_eye_within_a_cloud_sees_even_light() {
         let position = DVec3::new(east, 900.0, 0.0);
         let projection = Projection::Perspective { vertical_fov_deg: 60.0 };
         let target = position + DVec3::new(0.3, 0.1, -1.0);
-        scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection });
+        scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection, ..Camera::default() });
     };
     let mut kept = renderer(Quality::PREVIEW, Transport::MOMENTS);
     let lights = [0.0, 2.0, 4.0, 6.0, 8.0].map(|east| {

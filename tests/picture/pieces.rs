@@ -68,6 +68,7 @@ fn layers_in_pieces_are_the_layers() {
         (&layers.sun.sky, &whole.sun.sky),
         (&layers.sun.single, &whole.sun.single),
         (&layers.sun.multiple, &whole.sun.multiple),
+        (&layers.sun.ambient, &whole.sun.ambient),
         (&layers.sun.air, &whole.sun.air),
         (&layers.distance, &whole.distance),
         (&layers.normal, &whole.normal),

@@ -158,7 +158,7 @@ fn ball() -> Scene {
 
 fn seen_from(scene: &mut Scene, position: DVec3, target: DVec3) {
     let projection = Projection::Perspective { vertical_fov_deg: 40.0 };
-    scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection });
+    scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection, ..Camera::default() });
 }
 
 /// What shadows take from each pixel.

@@ -55,6 +55,7 @@ fn seen(studio: &mut Studio, scene: &Scene, direction: Vec3) -> Vec3 {
         target: position + 1000.0 * direction.as_dvec3(),
         roll_deg: 0.0,
         projection: Projection::Perspective { vertical_fov_deg: 90.0 / 16.0 },
+        ..Camera::default()
     };
     let scene = Scene { camera: Some(camera), ..scene.clone() };
     let picture = studio.picture(&scene, [1, 1], true).unwrap();
@@ -254,7 +255,7 @@ fn a_shadow_is_what_is_seen_towards_the_sun() {
             let projection = Projection::Orthographic { height: extent / 24.0 };
             let position = ground;
             let target = ground + 1000.0 * scene.sun.to_sun();
-            scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection });
+            scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection, ..Camera::default() });
             let alpha = studio.picture(&scene, [1, 1], false).unwrap().pixels[0][3];
             assert!((map[i] - (1.0 - alpha)).abs() < 0.02, "{i}: {} {}", map[i], 1.0 - alpha);
         }

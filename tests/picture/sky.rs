@@ -38,6 +38,7 @@ fn panorama(altitude: f64) -> Camera {
         target: position + DVec3::NEG_Z,
         roll_deg: 0.0,
         projection: Projection::Equirectangular,
+        ..Camera::default()
     }
 }
 

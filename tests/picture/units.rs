@@ -68,7 +68,7 @@ fn pictures_are_the_same_in_every_unit() {
             let layers = renderer.render_layers(gpu(), &frame, &mut |_| ()).unwrap();
             let mut sum = film.read(gpu(), &layers.sun.sky).unwrap();
             let mut clouds = film.read(gpu(), &layers.sun.single).unwrap();
-            for layer in [&layers.sun.multiple, &layers.sun.air] {
+            for layer in [&layers.sun.multiple, &layers.sun.ambient, &layers.sun.air] {
                 let light = film.read(gpu(), layer).unwrap();
                 for (sum, light) in clouds.pixels.iter_mut().zip(light.pixels) {
                     (0..3).for_each(|c| sum[c] += light[c]);

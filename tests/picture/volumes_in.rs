@@ -36,7 +36,7 @@ fn alone(volume: Volume, position: DVec3, target: DVec3, height: f64) -> Scene {
     let mut scene = scene(r#"{"sky": "none", "ground": {"albedo": [0, 0, 0], "altitude": -1000}}"#);
     scene.clouds.push(cloud);
     let projection = Projection::Orthographic { height };
-    scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection });
+    scene.camera = Some(Camera { position, target, roll_deg: 0.0, projection, ..Camera::default() });
     scene
 }
 

@@ -185,11 +185,77 @@ fn what_cannot_be_is_refused_in_words() {
         ("export sixway scene.json -o a.png --tile 4096 --frames 9", "fewer or smaller"),
         ("export impostor empty.json -o a.png", "no cloud"),
         ("export camera scene.json -o a.fbx", ".glb or .gltf"),
+        ("export camera scene.json -o a.glb --animated", "--frames 1-240"),
+        ("export camera scene.json -o a.gltf --frames 1-4", "does not end in .glb"),
+        ("export camera scene.json -o a.glb --fps 24", "--animated"),
+        ("export volume scene.json -o a.vol --half", "--half is for .vdb files"),
+        ("export volume scene.json -o a.vol --velocity", "--velocity is for .vdb files"),
+        ("render scene.json -o a.exr --layers=light,deep", "deep"),
         ("fill scene.json -o a.json", ".obj"),
     ] {
         let text = desk.complaint(words);
         assert!(text.contains(part), "{words}: {text}");
     }
+}
+
+/// The channels of an EXR file, sorted.
+fn channels(path: &PathBuf) -> Vec<String> {
+    let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
+    image.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect()
+}
+
+#[test]
+fn layers_are_those_that_were_named() {
+    let desk = Desk::new();
+    let written = |words: &str| {
+        desk.told(&format!("render scene.json -o a.exr {words} --quality draft --width 16 --height 9"));
+        channels(&desk.path("a.exr"))
+    };
+    assert_eq!(written("--layers=depth"), ["A", "B", "G", "R", "planar.Z"]);
+    assert_eq!(written("--layers=motion"), ["A", "B", "G", "R", "motion.X", "motion.Y"]);
+    let all = written("--layers=light,distance,normal,depth,position,motion,clouds");
+    let plain = written("--layers");
+    assert!(plain.iter().all(|name| all.contains(name)), "{plain:?}");
+    for name in ["depth.Z", "lit.sun.R", "lit.sky.B", "multiple.G", "normal.X", "transmittance.Y"] {
+        assert!(plain.iter().any(|own| own == name), "{name}: {plain:?}");
+    }
+    for name in ["CryptoCloud00.R", "CryptoCloud02.A", "planar.Z", "position.Y", "motion.Y"] {
+        assert!(!plain.iter().any(|own| own == name) && all.iter().any(|own| own == name), "{name}");
+    }
+    let around = SMALL.replacen(
+        '{',
+        r#"{"camera":{"position":[0,900,1000],"target":[0,900,0],"projection":"equirectangular"},"#,
+        1,
+    );
+    fs::write(desk.path("around.json"), around).unwrap();
+    let size = "--quality draft --width 16 --height 8";
+    let text = desk.complaint(&format!("render around.json -o b.exr --layers=depth {size}"));
+    assert!(text.contains("`depth`") && text.contains("equirectangular"), "{text}");
+    desk.told(&format!("render around.json -o b.exr --layers=distance,position {size}"));
+}
+
+#[test]
+fn a_flight_goes_out_and_comes_back() {
+    let desk = Desk::new();
+    let moving = SMALL.replacen(
+        '{',
+        r#"{"camera":{"position":[0,900,1000],"target":[0,900,0],"shift_x":0.1},
+        "timeline":{"length":1,"fps":12,"tracks":[{"path":"camera.position[0]","keys":[
+            {"time":0,"value":0,"interpolation":"linear"},{"time":1,"value":240}]}]},"#,
+        1,
+    );
+    fs::write(desk.path("moving.json"), moving).unwrap();
+    desk.told("export camera moving.json -o shot.glb --animated");
+    let camera = nephos::import::MovingCamera::read(&desk.path("shot.glb"), None).unwrap();
+    for frame in 0..12 {
+        let time = f64::from(frame) / 12.0;
+        let found = camera.at(time);
+        assert!((found.position.x - 240.0 * time).abs() < 1e-3 && found.shift_x == 0.1, "{time}: {found:?}");
+    }
+    assert!((camera.length() - 11.0 / 12.0).abs() < 1e-6);
+    desk.told("export camera moving.json -o slow.glb --frames 1-7:3 --fps 3");
+    let slow = nephos::import::MovingCamera::read(&desk.path("slow.glb"), None).unwrap();
+    assert!((slow.length() - 2.0).abs() < 1e-6 && (slow.at(1.0).position.x - 240.0).abs() < 1e-3);
 }
 
 #[test]

@@ -18,5 +18,12 @@ print(json.dumps({
     "voxel": grid.transform.voxelSize(),
     "world": [grid.transform.indexToWorld(voxel) for voxel in voxels],
     "values": [accessor.getValue(voxel) for voxel in voxels],
+    "others": [{
+        "type": type(other).__name__,
+        "active": other.activeVoxelCount(),
+        "background": other.background,
+        "values": [other.getConstAccessor().getValue(voxel) for voxel in voxels],
+        "metadata": {key: str(value) for key, value in other.metadata.items()},
+    } for other in grids[1:]],
     "metadata": {key: str(value) for key, value in grid.metadata.items()},
 }))

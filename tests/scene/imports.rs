@@ -6,8 +6,8 @@ use std::{fmt::Write, fs, path::Path};
 use crate::readers;
 use glam::{DQuat, DVec3};
 use nephos::{
-    export::write_camera,
-    import::{Inside, Mesh, fill, read_camera, read_mesh},
+    export::{write_camera, write_moving_camera},
+    import::{Inside, Mesh, MovingCamera, fill, read_camera, read_mesh},
     scene::{Camera, Projection},
 };
 
@@ -17,6 +17,7 @@ fn cameras() -> Vec<Camera> {
         target: target.into(),
         roll_deg,
         projection,
+        ..Camera::default()
     };
     vec![
         camera([150.0, 900.0, 600.0], [0.0, 1030.0, 0.0], 0.0, Projection::default()),
@@ -33,6 +34,11 @@ fn cameras() -> Vec<Camera> {
             180.0,
             Projection::Lens { focal_length_mm: 50.0, sensor_width_mm: 36.0 },
         ),
+        Camera {
+            shift_x: 0.25,
+            shift_y: -0.5,
+            ..camera([1.0, 2.0, 3.0], [7.0, 2.0, 2.0], 0.0, Projection::default())
+        },
     ]
 }
 
@@ -53,8 +59,55 @@ fn cameras_come_back_from_gltf() {
                 lens => lens.vertical_fov(1.5).unwrap(),
             };
             assert!((height(&back) / height(camera) - 1.0).abs() < 1e-5, "{back:?}");
+            assert_eq!([back.shift_x, back.shift_y], [camera.shift_x, camera.shift_y]);
         }
     }
+}
+
+/// A camera that flies and turns all the way round.
+fn flight(time: f64) -> Camera {
+    let turn = 1.3 * time;
+    let position = DVec3::new(40.0 * time, 100.0 - 3.0 * time * time, -5.0);
+    Camera { position, target: position + DVec3::new(turn.sin(), 0.2, turn.cos()), ..Camera::default() }
+}
+
+fn keys() -> Vec<(f64, Camera)> {
+    (0..=120).map(|i| f64::from(i) / 24.0).map(|time| (time, flight(time))).collect()
+}
+
+#[test]
+fn cameras_that_move_come_back_from_gltf() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flight.glb");
+    write_moving_camera(&path, &keys(), 1.5).unwrap();
+    let back = MovingCamera::read(&path, None).unwrap();
+    assert_eq!(back.length(), 5.0);
+    for (time, camera) in keys() {
+        let found = back.at(time);
+        // Floats: of 200 m, and of a rotation.
+        assert!(found.position.distance(camera.position) < 1e-4, "{time}: {found:?}");
+        assert!(found.world_from_camera().angle_between(camera.world_from_camera()) < 1e-5, "{time}");
+    }
+    // Between keys it goes the shorter way round.
+    let (between, exact) = (back.at(2.51), flight(2.51));
+    assert!(between.world_from_camera().angle_between(exact.world_from_camera()) < 1e-3);
+}
+
+#[test]
+fn cameras_that_gltf_can_not_move_end_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, keys: &[(f64, Camera)]| {
+        let path = folder.path().join(name);
+        let error = write_moving_camera(&path, keys, 1.5).unwrap_err().to_string();
+        assert!(!path.exists());
+        error
+    };
+    let still = Camera::default();
+    let zoom = Camera { projection: Projection::Perspective { vertical_fov_deg: 20.0 }, ..still.clone() };
+    assert!(refused("a.gltf", &[(0.0, still.clone())]).contains(".glb"));
+    assert!(refused("a.glb", &[]).contains("frames"));
+    assert!(refused("a.glb", &[(-0.5, still.clone())]).contains("-0.5"));
+    assert!(refused("a.glb", &[(0.0, still), (0.5, zoom)]).contains("0.5 seconds"));
 }
 
 #[test]
@@ -62,7 +115,10 @@ fn a_validator_of_gltf_finds_no_fault() {
     let folder = tempfile::tempdir().unwrap();
     for (i, camera) in cameras().iter().enumerate() {
         let path = folder.path().join(format!("{i}.{}", ["glb", "gltf"][i % 2]));
-        write_camera(&path, camera, 1.5).unwrap();
+        match i {
+            0 => write_moving_camera(&path, &keys(), 1.5).unwrap(),
+            _ => write_camera(&path, camera, 1.5).unwrap(),
+        }
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/readers/validate_gltf.js");
         let words = [script.to_str().unwrap(), path.to_str().unwrap()];
         let Some(told) = readers::node("gltf-validator", &words) else { return };

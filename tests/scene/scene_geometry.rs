@@ -106,6 +106,7 @@ fn camera_looks_where_it_says() {
         target: DVec3::new(5.0, 0.0, 0.0),
         roll_deg: 0.0,
         projection: Projection::default(),
+        ..Camera::default()
     };
     let rounding = 1e-12;
     let axes = DMat3::from_quat(camera.world_from_camera());

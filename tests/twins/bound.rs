@@ -32,7 +32,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("compose", "vertex fragment"),
             ("depth_bake", "main"),
             ("ground_light", "main"),
-            ("march", "quad beauty layers normals cost"),
+            ("march", "quad beauty layers places everything cost"),
             ("mips", "main"),
             ("moments_entering", "main"),
             ("moments_keep", "main"),
@@ -106,7 +106,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         "bookkeeping: what comes next, what is counted, what is compiled out",
         &[
             ("counts", "count"),
-            ("march", "store_counts shade is_before_disc"),
+            ("march", "store_counts shade is_before_disc light_layers places_of"),
             ("steps", "march"),
             ("gather", "add_light add_node next_piece light_nodes"),
             ("sun_map", "plane_at planes_within"),

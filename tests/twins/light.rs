@@ -35,12 +35,20 @@ fn lit(random: &mut Random) -> Input {
 
 fn outside() -> Vec<Twin> {
     vec![
-        Twin::new("emitted", "lighting", "return vec4f(emitted(kind(x), x[2].w, lights(x)), 0.0);", |x| {
-            let ([sun, sky, ground], albedo) =
-                ([0, 1, 2].map(|i| xyz(x[i])), 1.0 - (1.0 - x[0][3]) * (1.0 - x[1][3]));
-            // The mean over 4 pi: of the beam, and of two hemispheres.
-            let mean = (sun + 2.0 * PI * sky + 2.0 * PI * ground) / (4.0 * PI);
-            three(albedo * x[2][3] * mean)
+        Twin::new("emitted", "lighting", "return vec4f(emitted(kind(x), x[2].w, x[3].xyz), 0.0);", |x| {
+            let albedo = 1.0 - (1.0 - x[0][3]) * (1.0 - x[1][3]);
+            three(albedo * x[2][3] * xyz(x[3]))
+        })
+        .declaring(LIGHTS)
+        .over("all", lit),
+        // Over 4 pi: the beam, and two hemispheres.
+        Twin::new("mean_of_sun", "lighting", "return vec4f(mean_of_sun(lights(x)), 0.0);", |x| {
+            three(xyz(x[0]) / (4.0 * PI))
+        })
+        .declaring(LIGHTS)
+        .over("all", lit),
+        Twin::new("mean_of_sky", "lighting", "return vec4f(mean_of_sky(lights(x)), 0.0);", |x| {
+            three((2.0 * PI * xyz(x[1]) + 2.0 * PI * xyz(x[2])) / (4.0 * PI))
         })
         .declaring(LIGHTS)
         .over("all", lit),
@@ -59,8 +67,8 @@ fn outside() -> Vec<Twin> {
         Twin::new(
             "scattered_again",
             "lighting",
-            "return vec4f(scattered_again(kind(x), x[0].xyz, x[1].xyz, x[2].xyz), 0.0);",
-            |x| three(x[1][3] * xyz(x[0]) * xyz(x[1]) + x[1][3] * xyz(x[2])),
+            "return vec4f(scattered_again(kind(x), x[0].xyz, x[1].xyz), 0.0);",
+            |x| three(x[1][3] * xyz(x[0]) * xyz(x[1])),
         )
         .declaring(LIGHTS)
         .over("all", lit),

@@ -19,7 +19,11 @@ use super::{
     sequence::frames::{Frames, numbered, set_fps},
     terminal,
 };
-use crate::{Error, Result, gpu::Gpu, scene::Scene};
+use crate::{
+    Error, Result,
+    gpu::Gpu,
+    scene::{Movement, Scene},
+};
 
 /// Write a scene for other programs: volumes, sky maps, sprites, cameras.
 #[derive(Debug, Args)]
@@ -88,6 +92,26 @@ impl Source {
         let fps = set_fps(&mut scene, fps).map_err(in_file)?;
         let all = numbered(&scene, frames, fps, &self.scene)?;
         all.into_iter().map(|(number, time)| Ok((number, scene.at(time).map_err(in_file)?))).collect()
+    }
+
+    /// How far clouds go in a frame from that moment on, and the frames of a second.
+    fn movement(&self) -> Result<(Movement, f64)> {
+        let in_file = |error: Error| error.in_file(&self.scene);
+        let mut scene = Scene::load(&self.scene).map_err(in_file)?;
+        let fps = set_fps(&mut scene, None).map_err(in_file)?;
+        let time = self.time.unwrap_or(scene.time);
+        Ok((scene.movement(time, 1.0 / fps).map_err(in_file)?, fps))
+    }
+
+    /// The same from each of the frames on.
+    fn movements(&self, frames: Option<&Frames>, fps: Option<f64>) -> Result<Vec<(Movement, f64)>> {
+        let in_file = |error: Error| error.in_file(&self.scene);
+        let mut scene = Scene::load(&self.scene).map_err(in_file)?;
+        let fps = set_fps(&mut scene, fps).map_err(in_file)?;
+        let all = numbered(&scene, frames, fps, &self.scene)?;
+        all.into_iter()
+            .map(|(_, time)| Ok((scene.movement(time, 1.0 / fps).map_err(in_file)?, fps)))
+            .collect()
     }
 
     fn gpu(&self) -> Result<Gpu> {

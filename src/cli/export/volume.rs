@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use glam::DVec3;
 
 use super::{
     super::{
@@ -14,10 +15,10 @@ use super::{
 };
 use crate::{
     Error, Result,
-    export::{write_vdb, write_vol},
+    export::{VdbOptions, write_vdb_with, write_vol},
     files::check_place,
     render::{Frame, VoxelGrid, Voxels},
-    scene::{Scene, Species},
+    scene::{Movement, Scene, Species},
 };
 
 /// Write the density as OpenVDB (.vdb) or as a grid volume of Mitsuba (.vol).
@@ -50,6 +51,12 @@ pub struct Volume {
     /// Samples of the density along each edge of a voxel, which then holds their mean.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: u32,
+    /// Keep numbers as half floats, good to 1 in 2000, in half the bytes (.vdb).
+    #[arg(long)]
+    half: bool,
+    /// Write how fast clouds go, too, by wind and curves: the grid `vel`, metres per second (.vdb).
+    #[arg(long)]
+    velocity: bool,
     /// Which axis points up. Y is that of scenes, Houdini, Mitsuba and glTF; Z that of Blender and Unreal.
     #[arg(long, value_enum, default_value_t = Up::Y)]
     up: Up,
@@ -65,30 +72,39 @@ enum Up {
 
 impl Volume {
     pub(super) fn run(self) -> Result<()> {
-        let write: Write = match ending(&self.output, &["vdb", "vol"])? {
-            "vdb" => write_vdb,
-            _ => write_vol,
-        };
+        self.check_ending(ending(&self.output, &["vdb", "vol"])?)?;
         match Pattern::of(&self.output) {
             Ok(_) if self.source.time.is_some() => Err(Error::Argument(format!(
                 "--time is one moment, and `{}` names a file for each frame: leave one of them out, or give --frames",
                 self.output.display()
             ))),
-            Ok(pattern) => self.sequence(&pattern, write),
+            Ok(pattern) => self.sequence(&pattern),
             Err(problem) if self.frames.is_some() || self.fps.is_some() => Err(problem),
-            Err(_) => self.moment(write),
+            Err(_) => self.moment(),
         }
     }
 
-    fn moment(&self, write: Write) -> Result<()> {
+    /// What only one kind of file has is not asked of the other.
+    fn check_ending(&self, ending: &str) -> Result<()> {
+        let given = [(self.half, "--half"), (self.velocity, "--velocity")];
+        match given.into_iter().find(|(given, _)| *given && ending != "vdb") {
+            Some((_, word)) => {
+                Err(Error::Argument(format!("{word} is for .vdb files, and .{ending} has none of it")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn moment(&self) -> Result<()> {
         check_place(&self.output)?;
         let scene = self.source.scene()?;
+        let movement = self.velocity.then(|| self.source.movement()).transpose()?;
         let frame = Frame::new(&scene, [1, 1])?;
         let voxel = self.voxel.map_or_else(|| VoxelGrid::voxel_of(&frame, self.resolution), Ok)?;
         let gpu = self.source.gpu()?;
         let grid = self.grid(voxel);
         let volume = shares("sampling the density", |progress| Voxels::sample(&gpu, &frame, grid, progress))?;
-        write(&self.output, &volume)?;
+        self.write(&self.output, &volume, movement.as_ref())?;
         let (first, last) = volume.bounds().unwrap_or_default();
         let size = last - first + 1;
         terminal::print(&format!(
@@ -104,8 +120,12 @@ impl Volume {
     }
 
     /// A file a frame, with voxels of one size: that of the frame which needs the largest.
-    fn sequence(&self, pattern: &Pattern, write: Write) -> Result<()> {
+    fn sequence(&self, pattern: &Pattern) -> Result<()> {
         let moments = self.source.moments(self.frames.as_ref(), self.fps)?;
+        let movements = match self.velocity {
+            true => self.source.movements(self.frames.as_ref(), self.fps)?.into_iter().map(Some).collect(),
+            false => vec![None; moments.len()],
+        };
         moments.iter().try_for_each(|(number, _)| check_place(&pattern.file(*number)))?;
         let frames: Vec<(i32, Frame)> = moments
             .iter()
@@ -120,10 +140,10 @@ impl Volume {
         };
         let (gpu, count) = (self.source.gpu()?, frames.len() as f64);
         shares("sampling the density", |progress| {
-            for (i, (number, frame)) in frames.iter().enumerate() {
+            for (i, ((number, frame), movement)) in frames.iter().zip(&movements).enumerate() {
                 let mut own = |share: f64| progress((i as f64 + share) / count);
                 let volume = Voxels::sample(&gpu, frame, self.grid(voxel), &mut own)?;
-                write(&pattern.file(*number), &volume)?;
+                self.write(&pattern.file(*number), &volume, movement.as_ref())?;
             }
             Ok(())
         })?;
@@ -131,14 +151,21 @@ impl Volume {
         terminal::print(&format!("{name}: {count} frames with voxels of {voxel} m\n"))
     }
 
+    /// Writes a volume; `movement` is what matter does in a frame, with the frames of a second.
+    fn write(&self, path: &Path, volume: &Voxels, movement: Option<&(Movement, f64)>) -> Result<()> {
+        if !self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("vdb")) {
+            return write_vol(path, volume);
+        }
+        let velocity = movement.map(|(movement, fps)| move |p: DVec3| *fps * movement.nearest(p));
+        let velocity = velocity.as_ref().map(|velocity| velocity as &(dyn Fn(DVec3) -> DVec3 + Sync));
+        write_vdb_with(path, volume, VdbOptions { half: self.half, velocity })
+    }
+
     fn grid(&self, voxel: f64) -> VoxelGrid {
         let grid = VoxelGrid { samples: self.samples, ..VoxelGrid::new(voxel) };
         if self.up == Up::Z { grid.z_up() } else { grid }
     }
 }
-
-/// Writes a volume into a file.
-type Write = fn(&Path, &Voxels) -> Result<()>;
 
 fn short(voxel: f64) -> f64 {
     (1e4 * voxel).round() / 1e4

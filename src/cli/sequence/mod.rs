@@ -35,7 +35,8 @@ use crate::{
     export::{self, Header, Notes},
     files::{check_place, write_whole},
     gpu,
-    scene::Scene,
+    render::Frame,
+    scene::{Movement, Scene},
 };
 
 /// Render a scene over time: numbered pictures, or a movie.
@@ -133,8 +134,16 @@ impl Sequence {
         let exposed_by = self.exposed_by(scene).map_err(|error| error.in_file(&self.scene))?;
         let own = all.into_iter().enumerate().filter(|(i, _)| self.shard.is_none_or(|shard| shard.has(*i)));
         own.map(|(_, (number, time))| {
-            let moment = scene.at(time).map_err(|error| error.in_file(&self.scene))?;
-            Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &exposed_by) })
+            let at = |time: f64| scene.at(time).map_err(|error| error.in_file(&self.scene));
+            let moment = at(time)?;
+            let mut beside = exposed_by.clone();
+            if self.picture.sees_motion() {
+                beside += &at(time + 1.0 / fps)?.to_json();
+            }
+            for moment in self.picture.moments(&Scene { time, ..scene.clone() }, fps)? {
+                beside += &at(moment)?.to_json();
+            }
+            Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &beside) })
         })
         .collect()
     }
@@ -218,14 +227,30 @@ impl Sequence {
         let header =
             Header { frame: Some(still.number), fps: Some(still.fps), ..self.picture.notes().header };
         let (frame, notes) = (self.picture.frame(&scene)?, still.stamp.notes(header));
-        let (metered, output) = (*metered, file);
-        let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
+        let (metered, output, next) = (*metered, file, self.next(&scene, &frame, still)?);
+        let job = Job {
+            scene: &scene,
+            frame,
+            fps: still.fps,
+            next,
+            metered,
+            output,
+            resume: false,
+            keep: false,
+            notes,
+        };
         self.picture.draw_to_file(painter, &job, progress).map(drop)
+    }
+
+    /// What comes after a frame, where its layers tell.
+    fn next(&self, scene: &Scene, frame: &Frame, still: &Still) -> Result<Option<(Frame, Movement)>> {
+        let later = Scene { time: still.time + 1.0 / still.fps, ..scene.clone() };
+        self.picture.next(scene, frame, &later, 1.0 / still.fps)
     }
 
     fn movie(&self, scene: &Scene, stills: &[Still], fps: f64, container: Container) -> Result<Report> {
         for (word, given) in [
-            ("--layers", self.picture.layers),
+            ("--layers", self.picture.layers.is_some()),
             ("--transparent", self.picture.transparent),
             ("--shard", self.shard.is_some()),
         ] {
@@ -292,7 +317,17 @@ impl Sequence {
         let scene = Scene { time: still.time, ..scene.clone() };
         let (frame, notes) = (self.picture.frame(&scene)?, Notes::default());
         let (metered, output) = (*metered, &*self.output);
-        let job = Job { scene: &scene, frame, metered, output, resume: false, keep: false, notes };
+        let job = Job {
+            scene: &scene,
+            frame,
+            fps: still.fps,
+            next: None,
+            metered,
+            output,
+            resume: false,
+            keep: false,
+            notes,
+        };
         let drawn = self.picture.draw(painter, &job, progress)?;
         Ok(export::opaque_of(&self.picture.finished(painter, &drawn.picture, &job)?))
     }

@@ -19,15 +19,15 @@ pub struct Stamp(String);
 
 impl Stamp {
     /// Of the moment, to the last bit of its numbers, of everything about the picture that
-    /// changes it, of what its exposure follows from, and of this version of the program.
-    pub fn new(moment: &Scene, picture: &PictureOptions, exposed_by: &str) -> Self {
+    /// changes it, of what it shows and is exposed by `beside` the moment, and of this version of the program.
+    pub fn new(moment: &Scene, picture: &PictureOptions, beside: &str) -> Self {
         let mut hasher = SipHasher13::new();
         // Names change no picture, nor does what draws it.
         let nameless = Scene { name: String::new(), ..moment.clone() };
         let mut options = picture.clone();
         options.adapter = None;
         options.fill_in();
-        for text in [env!("CARGO_PKG_VERSION"), &nameless.to_json(), &format!("{options:?}"), exposed_by] {
+        for text in [env!("CARGO_PKG_VERSION"), &nameless.to_json(), &format!("{options:?}"), beside] {
             hasher.write(text.as_bytes());
             hasher.write_u8(0xff);
         }

@@ -38,10 +38,7 @@ pub(super) enum Deed {
 /// What a row is called: its name, or its number.
 pub(super) fn name(scene: &Scene, row: Row) -> String {
     match row {
-        Row::Cloud(index) => match scene.clouds.get(index).map(|cloud| cloud.name.as_str()) {
-            Some(name) if !name.is_empty() => name.to_owned(),
-            _ => format!("cloud {}", index + 1),
-        },
+        Row::Cloud(index) => scene.clouds.get(index).map(|cloud| cloud.label(index)).unwrap_or_default(),
         Row::Ellipsoid(id) => {
             let found = scene.clouds.get(id.cloud).and_then(|cloud| cloud.ellipsoids.get(id.ellipsoid));
             found.and_then(|e| e.name.clone()).unwrap_or_else(|| format!("ellipsoid {}", id.ellipsoid + 1))

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::{LightsPanel, SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Atmosphere, Camera, Cloud, Ground, Noise, Projection, Scene, Sky, ToneCurve},
+    scene::{Aperture, Atmosphere, Camera, Cloud, Ground, Noise, Projection, Scene, Sky, ToneCurve},
 };
 
 /// What this panel asks of others.
@@ -162,6 +162,40 @@ fn camera_rows(form: &mut Form<'_>, camera: &mut Camera) {
         }
         Projection::Equirectangular => {}
     }
+    if camera.projection == Projection::Equirectangular {
+        // It has no lens.
+        (camera.shift_x, camera.shift_y) = (0.0, 0.0);
+    } else {
+        form.slider("Camera.shift_x", "Shift right", &mut camera.shift_x, 0.0, -0.5..=0.5);
+        form.slider("Camera.shift_y", "Shift up", &mut camera.shift_y, 0.0, -0.5..=0.5);
+    }
+    aperture_rows(form, camera);
+}
+
+/// Depth of field, which lenses have.
+fn aperture_rows(form: &mut Form<'_>, camera: &mut Camera) {
+    if matches!(camera.projection, Projection::Orthographic { .. } | Projection::Equirectangular) {
+        camera.aperture = None;
+        return;
+    }
+    let focus = camera.position.distance(camera.target).clamp(0.01, 1e6);
+    let default = Aperture { radius: Some(1.0), f_stop: None, focus };
+    let (mut is_open, mut aperture) = (camera.aperture.is_some(), camera.aperture.unwrap_or(default));
+    if matches!(camera.projection, Projection::Perspective { .. }) && aperture.f_stop.is_some() {
+        // It has no focal length.
+        aperture = Aperture { focus: aperture.focus, ..default };
+    }
+    form.check("Camera.aperture", "Depth of field", &mut is_open, false);
+    if is_open {
+        if let Some(radius) = &mut aperture.radius {
+            form.number("Aperture.radius", "Opening", radius, 1.0);
+        }
+        if let Some(f_stop) = &mut aperture.f_stop {
+            form.number("Aperture.f_stop", "f-stop", f_stop, 2.8);
+        }
+        form.number("Aperture.focus", "Focus", &mut aperture.focus, focus);
+    }
+    camera.aperture = is_open.then_some(aperture);
 }
 
 fn noise(ui: &mut Ui, document: &mut Document) {

@@ -271,7 +271,14 @@ pub const COMMANDS: &[Entry] = {
             Show(Layer::Multiple),
             "Show multiple scattering",
             None,
-            "Shows light that droplets turned more often, and that of sky and ground.",
+            "Shows sunlight that droplets turned more often.",
+        ),
+        entry(
+            SHOW,
+            Show(Layer::Ambient),
+            "Show light of the sky",
+            None,
+            "Shows the light of sky and ground that droplets turned.",
         ),
         entry(SHOW, Show(Layer::Air), "Show air", None, "Shows light that the air before the clouds adds."),
         entry(

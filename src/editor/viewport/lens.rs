@@ -34,6 +34,8 @@ pub struct Lens {
     pub forward: DVec3,
     /// Half the picture's width and height: tangents, or metres where orthographic.
     pub half: DVec2,
+    /// How far a lens without parallel lines of sight is shifted, halves of the picture's width and height.
+    pub shift: DVec2,
     /// Whether lines of sight are parallel.
     pub orthographic: bool,
     /// The picture on the screen.
@@ -51,11 +53,12 @@ impl Lens {
             other => (other.vertical_fov(aspect).map_or(1.0, |fov| (0.5 * fov).tan()), false),
         };
         Self {
-            eye: camera.position,
+            eye: camera.eye(aspect),
             right: turn * DVec3::X,
             up: turn * DVec3::Y,
             forward: turn * DVec3::NEG_Z,
             half: DVec2::new(half_height * aspect, half_height),
+            shift: if orthographic { DVec2::ZERO } else { DVec2::from(camera.shift(aspect)) },
             orthographic,
             rect,
         }
@@ -80,7 +83,7 @@ impl Lens {
             return None;
         }
         let scale = if self.orthographic { 1.0 } else { depth };
-        let ndc = DVec2::new(p.dot(self.right), p.dot(self.up)) / (self.half * scale);
+        let ndc = DVec2::new(p.dot(self.right), p.dot(self.up)) / (self.half * scale) - self.shift;
         Some(self.place_of(ndc)).filter(|place| place.is_finite())
     }
 
@@ -144,7 +147,7 @@ impl Lens {
         let (center, size) = (self.rect.center(), self.rect.size());
         let x = 2.0 * (at.x - f64::from(center.x)) / f64::from(size.x.max(1.0));
         let y = 2.0 * (f64::from(center.y) - at.y) / f64::from(size.y.max(1.0));
-        x * self.half.x * self.right + y * self.half.y * self.up
+        (x + self.shift.x) * self.half.x * self.right + (y + self.shift.y) * self.half.y * self.up
     }
 }
 
@@ -178,8 +181,10 @@ pub(super) mod tests {
             target: DVec3::new(-200.0, 900.0, 600.0),
             roll_deg: 20.0,
             projection,
+            ..Camera::default()
         };
-        projections.map(camera).to_vec()
+        let shifted = |camera: Camera| Camera { shift_x: 0.2, shift_y: -0.4, ..camera };
+        projections.map(camera).into_iter().flat_map(|camera| [camera.clone(), shifted(camera)]).collect()
     }
 
     #[test]
@@ -210,7 +215,10 @@ pub(super) mod tests {
                 let ray = lens.ray(at);
                 // f32 of the renderer.
                 assert!(glam::Vec3::from(direction).as_dvec3().distance(ray.direction) < 1e-6);
-                assert!((glam::Vec3::from(origin).as_dvec3() + camera.position).distance(ray.origin) < 1e-3);
+                assert!(
+                    (glam::Vec3::from(origin).as_dvec3() + camera.eye(16.0 / 9.0)).distance(ray.origin)
+                        < 1e-3
+                );
             }
         }
     }

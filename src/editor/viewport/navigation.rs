@@ -5,7 +5,7 @@ use glam::{DQuat, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::lens::Lens;
-use crate::scene::{Bounds, Camera, Projection};
+use crate::scene::{Aperture, Bounds, Camera, Projection};
 
 /// Farthest from level, rad: a hair less than straight, so that left stays left.
 const STEEPEST: f64 = std::f64::consts::FRAC_PI_2 - 1e-4;
@@ -37,6 +37,10 @@ pub struct Navigation {
     pub roll: f64,
     /// How directions become places.
     pub projection: Projection,
+    /// How far the lens is shifted, shares of the picture's width.
+    pub shift: DVec2,
+    /// How wide the lens is open: kept for the scene's camera, views are those of pinholes.
+    pub aperture: Option<Aperture>,
     /// Whether parallel lines stay parallel; spans what the lens sees at the pivot.
     pub orthographic: bool,
     /// Whether all of the picture that the camera would take fits into the window.
@@ -52,6 +56,8 @@ impl Default for Navigation {
             pitch: 0.0,
             roll: 0.0,
             projection: Projection::Perspective { vertical_fov_deg: FIELD_OF_VIEW },
+            shift: DVec2::ZERO,
+            aperture: None,
             orthographic: false,
             framed: false,
         }
@@ -98,6 +104,8 @@ impl Navigation {
             pitch: forward.y.atan2(level).clamp(-STEEPEST, STEEPEST),
             roll: camera.roll_deg.to_radians(),
             projection,
+            shift: DVec2::new(camera.shift_x, camera.shift_y),
+            aperture: camera.aperture,
             orthographic: matches!(camera.projection, Projection::Orthographic { .. }),
             framed: false,
         }
@@ -126,7 +134,16 @@ impl Navigation {
         let position = self.eye();
         // Far enough that the subtraction keeps the direction.
         let target = position + self.distance.max(100.0) * self.forward();
-        Camera { position, target, roll_deg: self.roll.to_degrees(), projection }
+        let DVec2 { x: shift_x, y: shift_y } = self.shift;
+        Camera {
+            position,
+            target,
+            roll_deg: self.roll.to_degrees(),
+            projection,
+            shift_x,
+            shift_y,
+            aperture: self.aperture.filter(|_| !self.orthographic),
+        }
     }
 
     /// What the window shows: the camera, or more around its picture where that would not fit
@@ -135,6 +152,11 @@ impl Navigation {
         let mut camera = self.camera(aspect);
         let wider = (PICTURE_ASPECT / aspect).max(1.0);
         let higher = (aspect / PICTURE_ASPECT).max(1.0);
+        if self.framed {
+            // What is around the picture is part of the width.
+            camera.shift_x /= higher;
+            camera.shift_y /= higher;
+        }
         match &mut camera.projection {
             _ if !self.framed => {}
             Projection::Perspective { vertical_fov_deg } => {

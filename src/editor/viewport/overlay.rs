@@ -171,8 +171,10 @@ pub fn camera(painter: &Painter, lens: &Lens, camera: &Camera) {
     }
     let turn = camera.world_from_camera();
     let half = camera.projection.vertical_fov(ASPECT).map_or(0.5, |fov| (0.5 * fov).tan()).clamp(0.15, 1.0);
-    let corner =
-        |x: f64, y: f64| camera.position + size * (turn * DVec3::new(x * half * ASPECT, y * half, -1.0));
+    let [right, higher] = camera.shift(ASPECT);
+    let corner = |x: f64, y: f64| {
+        camera.position + size * (turn * DVec3::new((x + right) * half * ASPECT, (y + higher) * half, -1.0))
+    };
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     let up = [corner(-0.35, 1.15), corner(0.35, 1.15), corner(0.0, 1.6)];
     let line = |a: DVec3, b: DVec3| {

@@ -13,8 +13,10 @@ pub enum Layer {
     Beauty,
     /// Sunlight scattered once.
     Single,
-    /// Light scattered more often, light of sky and ground included.
+    /// Sunlight scattered more often.
     Multiple,
+    /// Light of sky and ground.
+    Ambient,
     /// Light scattered by the air before the clouds.
     Air,
     /// How much of what is behind gets through.
@@ -27,14 +29,11 @@ pub enum Layer {
 
 impl Layer {
     /// Every layer with its name and what it shows.
-    pub const ALL: [(Self, &'static str, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str, &'static str); 8] = [
         (Self::Beauty, "Beauty", "The picture with all its light."),
         (Self::Single, "Single scattering", "Sunlight that droplets turned once."),
-        (
-            Self::Multiple,
-            "Multiple scattering",
-            "Sunlight that droplets turned more often, and the light of sky and ground.",
-        ),
+        (Self::Multiple, "Multiple scattering", "Sunlight that droplets turned more often."),
+        (Self::Ambient, "Light of the sky", "Light of sky and ground that droplets turned."),
         (Self::Air, "Air", "Light that the air before the clouds adds."),
         (
             Self::Transmittance,

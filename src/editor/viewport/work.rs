@@ -45,6 +45,7 @@ impl Source {
             (Self::Beauty(texture), _) => (texture, Shown::Beauty),
             (Self::Cost(texture), _) => (texture, Shown::Heat(COST_RANGE)),
             (Self::Layers(layers), Layer::Multiple) => (&layers.sun.multiple, Shown::Light),
+            (Self::Layers(layers), Layer::Ambient) => (&layers.sun.ambient, Shown::Light),
             (Self::Layers(layers), Layer::Air) => (&layers.sun.air, Shown::Light),
             (Self::Layers(layers), Layer::Transmittance) => (&layers.sun.single, Shown::Transmittance),
             (Self::Layers(layers), Layer::Normal) => (&layers.normal, Shown::Normal),

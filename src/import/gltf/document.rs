@@ -99,6 +99,9 @@ pub(in crate::import) struct Lens {
     pub name: Option<String>,
     pub perspective: Option<Perspective>,
     pub orthographic: Option<Orthographic>,
+    /// What the file's program says beyond glTF.
+    #[serde(default)]
+    pub extras: Value,
 }
 
 #[derive(Debug, Deserialize)]

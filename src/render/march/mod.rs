@@ -22,6 +22,7 @@ pub(super) use tiles::{Cover, MANY, Seen};
 
 use shelves::{Groups, Shelves};
 pub use variant::Variant;
+pub(super) use variant::{EVERYTHING, MATTE, PLACES};
 use variant::{pipeline, variant};
 
 use super::{
@@ -74,6 +75,8 @@ pub(super) struct View<'a> {
     pub format: wgpu::TextureFormat,
     /// Whether the light comes on top of what is there.
     pub adds: bool,
+    /// Whether each cloud is drawn into a picture of its own, too.
+    pub mattes: bool,
 }
 
 /// A cloud ready to be drawn.

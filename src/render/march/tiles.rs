@@ -233,7 +233,13 @@ mod tests {
         let size = [120u32, 68];
         for projection in projections {
             for eye in eyes.map(DVec3::from) {
-                let camera = Camera { position: eye, target: DVec3::ZERO, roll_deg: 20.0, projection };
+                let camera = Camera {
+                    position: eye,
+                    target: DVec3::ZERO,
+                    roll_deg: 20.0,
+                    projection,
+                    ..Camera::default()
+                };
                 let camera = CameraUniform::new(&camera, 0.0, size);
                 assert_covered(&camera, eye.as_vec3(), &ellipsoids, &format!("{projection:?} from {eye}"));
             }
@@ -248,6 +254,7 @@ mod tests {
                 target: DVec3::ZERO,
                 roll_deg: 20.0,
                 projection: Projection::default(),
+                ..Camera::default()
             };
             for projection in [CameraUniform::PERSPECTIVE, CameraUniform::ORTHOGRAPHIC] {
                 for shift in [Vec2::new(-1.0, 1.0), Vec2::new(3.0, 0.4), Vec2::new(0.0, -6.0)] {
@@ -284,8 +291,13 @@ mod tests {
     #[test]
     fn tiles_are_few_where_the_cloud_is_small() {
         let eye = DVec3::new(0.0, 0.0, 20_000.0);
-        let camera =
-            Camera { position: eye, target: DVec3::ZERO, roll_deg: 0.0, projection: Projection::default() };
+        let camera = Camera {
+            position: eye,
+            target: DVec3::ZERO,
+            roll_deg: 0.0,
+            projection: Projection::default(),
+            ..Camera::default()
+        };
         let camera = CameraUniform::new(&camera, 0.0, [1920, 1080]);
         let cover = covered(&camera, eye.as_vec3(), &ellipsoids());
         let pixels: u32 = cover.tiles.iter().map(|t| (t.area[2] - t.area[0]) * (t.area[3] - t.area[1])).sum();

@@ -7,6 +7,23 @@ use crate::{
     render::Transport,
 };
 
+/// Entries that tell what is where, without light and with it apart.
+pub(in crate::render) const PLACES: &str = "places";
+pub(in crate::render) const EVERYTHING: &str = "everything";
+
+/// Of mattes: distance and opacity.
+pub(in crate::render) const MATTE: wgpu::TextureFormat = wgpu::TextureFormat::Rg16Float;
+
+/// Pictures of the usual format that an entry draws into.
+fn pictures(entry: &str) -> usize {
+    match entry {
+        "layers" => 4,
+        PLACES => 2,
+        EVERYTHING => 6,
+        _ => 1,
+    }
+}
+
 /// What the march is compiled for: what a scene does not use is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Variant {
@@ -21,6 +38,8 @@ pub struct Variant {
     air_shaded: bool,
     air_lit: bool,
     adds: bool,
+    mattes: bool,
+    normals: bool,
     flash: bool,
     moons: u32,
     sky_light: bool,
@@ -41,7 +60,7 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 17] {
+    pub fn overrides(&self) -> [(&'static str, f64); 18] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -54,7 +73,8 @@ impl Variant {
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("GROUND", flag(self.ground)),
-            ("NORMALS", flag(self.entry == "normals")),
+            ("LIT", flag(self.entry != PLACES)),
+            ("NORMALS", flag(self.normals)),
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
             ("REPEATS", flag(self.repeats)),
@@ -71,7 +91,7 @@ pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind) -> V
     let settings = shared.settings;
     let species = &cloud.medium.species;
     // Which way a cloud faces has nothing to do with light.
-    let lit = shared.entry != "normals";
+    let lit = shared.entry != PLACES;
     let hides_discs = settings.transport.0.needs.sun || settings.transport == Transport::DARK;
     let has_peak = species.truncated > 0.0 && hides_discs;
     let is_flash = matches!(shared.frame.by, LitBy::Flash(..));
@@ -89,6 +109,8 @@ pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind) -> V
         air_shaded: aerial && above && shared.shadows.in_air,
         air_lit: above,
         adds: shared.adds,
+        mattes: shared.mattes,
+        normals: matches!(shared.entry, PLACES | EVERYTHING),
         flash: is_flash,
         moons: if lit { shared.frame.moons() } else { 0 },
         sky_light: lit && above && shared.sky.lights(),
@@ -114,9 +136,10 @@ pub(super) fn pipeline(
 ) -> wgpu::RenderPipeline {
     let overrides = shader.known(&variant.overrides());
     let blend = if variant.adds { ADDS } else { wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING };
-    let target =
-        Some(wgpu::ColorTargetState { format, blend: Some(blend), write_mask: wgpu::ColorWrites::ALL });
-    let targets = vec![target; if variant.entry == "layers" { 4 } else { 1 }];
+    let write_mask = wgpu::ColorWrites::ALL;
+    let target = |format| Some(wgpu::ColorTargetState { format, blend: Some(blend), write_mask });
+    let mut targets = vec![target(format); pictures(variant.entry)];
+    targets.extend(variant.mattes.then(|| target(MATTE)));
     let strips = Strips {
         label: "clouds",
         entries: ["quad", variant.entry],

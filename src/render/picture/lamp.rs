@@ -52,6 +52,15 @@ pub(super) struct Way<'a> {
     pub format: wgpu::TextureFormat,
     /// Whether the light comes on top of what is there, which has the clouds in it.
     pub adds: bool,
+    /// Whether each cloud is drawn into a picture of its own, too.
+    pub mattes: bool,
+}
+
+impl Way<'_> {
+    /// Light, or what is where, over what is there.
+    pub fn over(entry: &'static str, format: wgpu::TextureFormat) -> Self {
+        Self { depth: None, entry, format, adds: false, mattes: false }
+    }
 }
 
 impl Lamp {
@@ -196,11 +205,11 @@ impl Lamp {
         sky: Option<&Sky>,
         way: Way<'_>,
     ) -> Vec<(usize, Draw)> {
-        let Way { depth, entry, format, adds } = way;
+        let Way { depth, entry, format, adds, mattes } = way;
         let order: Vec<_> =
             far_to_near(frame).into_iter().filter(|&i| self.presence[i] == Presence::Seen).collect();
         let (sky, shadows, settings) = (sky.unwrap_or(&self.sky), &self.shadows, room.settings);
-        let view = View { frame, settings, depth, sky, shadows, counters, entry, format, adds };
+        let view = View { frame, settings, depth, sky, shadows, counters, entry, format, adds, mattes };
         march.prepare(&view, &order, room.covers, room.media, &mut self.clouds)
     }
 }

@@ -1,8 +1,10 @@
 //! The renderer: keeps what outlives a frame, and records a frame's passes.
 
+mod blur;
 mod compose;
 mod film;
 mod lamp;
+mod matte;
 mod meter;
 mod pieces;
 mod pixels;
@@ -24,12 +26,15 @@ use crate::{
     gpu::{self, Gpu, TextureDesc, Timing, view},
     scene::{MAX_LIGHTS, Tone},
 };
+pub use blur::Blur;
 use compose::Compose;
 #[cfg(test)]
 pub(crate) use compose::ComposeUniform;
 pub use film::Film;
 use lamp::{Lamp, Room, Way};
+pub use matte::{Matte, MattePixel};
 pub use meter::metered_alone;
+use pieces::Apart;
 pub use pieces::Pieces;
 pub use pixels::Picture;
 use prepare::{Covers, Drawn, Prepared};
@@ -146,7 +151,25 @@ impl Renderer {
         progress: &mut dyn FnMut(f64),
     ) -> Result<Layers> {
         let mut encoder = self.encoder();
-        let (layers, pieces) = self.begin_apart(&mut encoder, frame, &mut |encoder| submit(gpu, encoder));
+        let flush: Flush<'_> = &mut |encoder| submit(gpu, encoder);
+        let (layers, pieces) = self.begin_apart(&mut encoder, frame, Apart::Light, flush);
+        self.draw_all(gpu, encoder, pieces, progress)?;
+        Ok(layers)
+    }
+
+    /// The same with a matte of each cloud, [`Layers::mattes`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] when the device fails.
+    pub fn render_layers_and_mattes(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Layers> {
+        let mut encoder = self.encoder();
+        let flush: Flush<'_> = &mut |encoder| submit(gpu, encoder);
+        let (layers, pieces) = self.begin_apart(&mut encoder, frame, Apart::Clouds, flush);
         self.draw_all(gpu, encoder, pieces, progress)?;
         Ok(layers)
     }
@@ -316,14 +339,20 @@ impl Renderer {
         lamp.map_or_else(Vec::new, |lamp| lamp.draws(&room, march, frame, sky, way))
     }
 
-    /// Begins a pass over what `targets` hold.
+    /// Begins a pass over what `targets` hold, and a matte beside them, which may begin with it.
     fn clouds_pass<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
         targets: &[wgpu::TextureView],
+        matte: Option<(&wgpu::TextureView, bool)>,
     ) -> wgpu::RenderPass<'a> {
-        let attachments: Vec<_> =
+        let mut attachments: Vec<_> =
             targets.iter().map(|view| Some(attachment(view, wgpu::LoadOp::Load))).collect();
+        attachments.extend(matte.map(|(view, begins)| {
+            let load =
+                if begins { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
+            Some(attachment(view, load))
+        }));
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clouds"),
             color_attachments: &attachments,

@@ -5,16 +5,31 @@ use std::sync::Arc;
 
 use wgpu::TextureView;
 
-use super::{Draw, Flush, HDR, Layers, LightLayers, Renderer, Target, Way, clear, view};
+use super::{
+    Draw, Flush, HDR, Layers, LightLayers, Matte, Renderer, Target, Way, clear, matte::MatteTarget, view,
+};
 use crate::{
     Result,
     frame::{Frame, LitBy},
     gpu::Gpu,
+    render::march::{EVERYTHING, PLACES},
 };
 
 /// Tiles of one submission, of at most 256 pixels each: a second or two in final quality on two
 /// CPU cores.
 const PIECE: u32 = 256;
+
+/// Bytes of a pixel of all that one march can tell: six pictures of half floats, and a matte.
+const BYTES_OF_EVERYTHING: u32 = 6 * 8 + 4;
+
+/// What is drawn apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Apart {
+    /// Light.
+    Light,
+    /// Each cloud, too.
+    Clouds,
+}
 
 /// A picture under way: what [`Renderer::draw_pieces`] has yet to draw. It stays good until
 /// another frame is begun on its renderer.
@@ -31,12 +46,21 @@ pub struct Pieces {
 struct Stage {
     draws: Arc<[Draw]>,
     targets: Vec<TextureView>,
+    /// Where the one cloud of it goes by itself, beside these.
+    matte: Option<MatteTarget>,
 }
 
 impl Stage {
     fn new(draws: Arc<[Draw]>, targets: &[&TextureView]) -> Self {
-        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect() }
+        Self { draws, targets: targets.iter().map(|&view| view.clone()).collect(), matte: None }
     }
+}
+
+/// What is told of a picture's places.
+struct Places {
+    distance: wgpu::Texture,
+    normal: wgpu::Texture,
+    mattes: Vec<Matte>,
 }
 
 /// Without the numbers of the clouds.
@@ -90,14 +114,14 @@ impl Renderer {
         if target.sky {
             self.draw_sky(encoder, frame, target.color, self.format);
         }
-        let way = Way { depth: target.depth.as_ref(), entry: "beauty", format: self.format, adds: false };
+        let way = Way { depth: target.depth.as_ref(), ..Way::over("beauty", self.format) };
         let draws = self.draws(frame, way);
         Pieces::new(vec![Stage::new(draws, &[target.color])])
     }
 
     /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
     pub fn begin_layers(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> (Layers, Pieces) {
-        self.begin_apart(encoder, frame, &mut |_| true)
+        self.begin_apart(encoder, frame, Apart::Light, &mut |_| true)
     }
 
     /// The same; `flush` may submit the light of the clouds one by one.
@@ -105,50 +129,92 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
+        apart: Apart,
         flush: Flush<'_>,
     ) -> (Layers, Pieces) {
         self.prepare(encoder, frame, flush);
+        let mut work = Vec::new();
         let [distance, normal] = ["distance", "normal"].map(|label| self.cleared(encoder, label, frame));
-        let normals =
-            self.draws_of(frame, None, Way { depth: None, entry: "normals", format: HDR, adds: false });
-        let mut work = vec![Stage::new(in_order(normals), &[&view(&normal)])];
-        let (sun, stage) = self.begin_light(encoder, frame, None, &view(&distance));
-        work.push(stage);
-        // How far clouds are is the same in all lights.
-        let same = view(&self.picture("the same distance", frame.size(), HDR));
+        let mut places = Places { distance, normal, mattes: Vec::new() };
+        let sun = self.begin_sun(encoder, frame, apart, &mut places, &mut work);
         let further = frame.lights().iter().map(|light| {
-            let (layers, stage) = self.begin_light(encoder, &frame.lit_by(light), Some(light.number), &same);
-            work.push(stage);
+            let lit = frame.lit_by(light);
+            let layers = self.light_layers(encoder, &lit, Some(light.number));
+            let draws = self.light_draws(&lit, Some(light.number));
+            work.push(Stage::new(draws, &layers.of_clouds().each_ref()));
             (light.name.clone(), layers)
         });
         let lights = further.collect();
-        (Layers { sun, lights, distance, normal, unit: frame.unit() }, Pieces::new(work))
+        let Places { distance, normal, mattes } = places;
+        (Layers { sun, lights, distance, normal, mattes, unit: frame.unit() }, Pieces::new(work))
     }
 
-    /// What [`Renderer::begin_apart`] draws in the light of the sun or of another, by its number; the sky at once.
-    fn begin_light(
+    /// What [`Renderer::begin_apart`] draws in the light of the sun, and what is where: in one march where all of that
+    /// goes into the targets of a pass.
+    fn begin_sun(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        apart: Apart,
+        places: &mut Places,
+        work: &mut Vec<Stage>,
+    ) -> LightLayers {
+        let sun = self.light_layers(encoder, frame, None);
+        let light = sun.of_clouds();
+        let where_it_is = [&places.normal, &places.distance].map(view);
+        let targets = if self.has_room_for_everything() {
+            light.iter().chain(&where_it_is).collect()
+        } else {
+            work.push(Stage::new(self.light_draws(frame, None), &light.each_ref()));
+            where_it_is.iter().collect::<Vec<_>>()
+        };
+        let entry = if targets.len() > where_it_is.len() { EVERYTHING } else { PLACES };
+        let mattes = apart == Apart::Clouds;
+        let draws = self.draws_of(frame, None, Way { mattes, ..Way::over(entry, HDR) });
+        if mattes {
+            let texture = self.matte_texture(frame.size());
+            for (cloud, draw) in draws {
+                let matte = Matte::new(&self.device, frame.clouds[cloud].number, &self.covers.all()[cloud]);
+                let own = MatteTarget::new(&texture, &matte);
+                work.push(Stage { matte: Some(own), ..Stage::new([draw].into(), &targets) });
+                places.mattes.push(matte);
+            }
+        } else {
+            work.push(Stage::new(in_order(draws), &targets));
+        }
+        sun
+    }
+
+    /// Whether light apart and what is where go into the targets of one pass.
+    fn has_room_for_everything(&self) -> bool {
+        self.device.limits().max_color_attachment_bytes_per_sample >= BYTES_OF_EVERYTHING
+    }
+
+    /// Pictures for the light of the sun or of another, by its number; the sky is drawn at once.
+    fn light_layers(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &Frame,
         number: Option<usize>,
-        distance: &TextureView,
-    ) -> (LightLayers, Stage) {
+    ) -> LightLayers {
         let sky = self.cleared(encoder, "sky", frame);
         let lamp = number.map_or(Some(&mut self.sun), |number| self.further[number].as_mut());
         if let Some(lamp) = lamp.filter(|_| frame.by == LitBy::Sky) {
             lamp.draw_sky(&self.device, encoder, (&view(&sky), HDR), false, self.timing.as_ref());
         }
-        let [single, multiple, air] =
-            ["single", "multiple", "air"].map(|label| self.cleared(encoder, label, frame));
-        let way = Way { depth: None, entry: "layers", format: HDR, adds: false };
+        let [single, multiple, ambient, air] =
+            ["single", "multiple", "ambient", "air"].map(|label| self.cleared(encoder, label, frame));
+        LightLayers { sky, single, multiple, ambient, air }
+    }
+
+    /// The clouds into those, in that light.
+    fn light_draws(&mut self, frame: &Frame, number: Option<usize>) -> Arc<[Draw]> {
+        let way = Way::over("layers", HDR);
         let mut draws = self.draws_of(frame, number, way);
         if matches!(frame.by, LitBy::Flash(..)) {
             draws = self.among_dark(frame, draws, way);
         }
-        let draws = in_order(draws);
-        let [to_single, to_multiple, to_air] = [&single, &multiple, &air].map(view);
-        let stage = Stage::new(draws, &[&to_single, &to_multiple, &to_air, distance]);
-        (LightLayers { sky, single, multiple, air }, stage)
+        in_order(draws)
     }
 
     /// A picture with nothing in it yet.
@@ -168,7 +234,7 @@ impl Renderer {
         self.prepare(encoder, frame, &mut |_| true);
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
-        let draws = self.draws(frame, Way { depth: None, entry: "cost", format: HDR, adds: false });
+        let draws = self.draws(frame, Way::over("cost", HDR));
         let work = Stage::new(draws, &[&view(&cost)]);
         (cost, Pieces::new(vec![work]))
     }
@@ -179,7 +245,9 @@ impl Renderer {
         while left > 0
             && let Some(stage) = pieces.stages.get(pieces.stage)
         {
-            let mut pass = self.clouds_pass(encoder, &stage.targets);
+            let begins = (pieces.draw, pieces.tile) == (0, 0);
+            let matte = stage.matte.as_ref().map(|matte| (matte.view(), begins));
+            let mut pass = self.clouds_pass(encoder, &stage.targets, matte);
             let mut before = None;
             while left > 0
                 && let Some(draw) = stage.draws.get(pieces.draw)
@@ -193,7 +261,9 @@ impl Renderer {
                     (pieces.draw, pieces.tile) = (pieces.draw + 1, 0);
                 }
             }
+            drop(pass);
             if pieces.draw == stage.draws.len() {
+                stage.matte.iter().for_each(|matte| matte.keep(encoder));
                 (pieces.stage, pieces.draw) = (pieces.stage + 1, 0);
             }
         }

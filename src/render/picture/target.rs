@@ -1,5 +1,6 @@
 //! Where pictures go: the caller's textures, or layers of light.
 
+use super::Matte;
 use crate::frame::CameraUniform;
 
 /// Where a picture goes.
@@ -42,16 +43,25 @@ impl SceneDepth<'_> {
 }
 
 /// The light of one sun apart, all premultiplied by the alpha in their fourth channel: its part of
-/// beauty = sky (1 - alpha) + single + multiple + air.
+/// beauty = sky (1 - alpha) + single + multiple + ambient + air.
 pub struct LightLayers {
     /// Sky, sun and ground without clouds.
     pub sky: wgpu::Texture,
     /// Its light scattered once in the clouds.
     pub single: wgpu::Texture,
-    /// Light scattered more often, sky and ground light included.
+    /// Its light scattered more often.
     pub multiple: wgpu::Texture,
+    /// Light of the sky and the ground that it lights, and of a sky with light of its own, scattered in the clouds.
+    pub ambient: wgpu::Texture,
     /// Light scattered by the air in front of the clouds.
     pub air: wgpu::Texture,
+}
+
+impl LightLayers {
+    /// Views of those that clouds are drawn into, in the order of the shader's outputs.
+    pub(super) fn of_clouds(&self) -> [wgpu::TextureView; 4] {
+        [&self.single, &self.multiple, &self.ambient, &self.air].map(super::view)
+    }
 }
 
 /// The light of a picture apart.
@@ -64,6 +74,8 @@ pub struct Layers {
     pub distance: wgpu::Texture,
     /// Which way the clouds face: a unit vector of the world where alpha is 1.
     pub normal: wgpu::Texture,
+    /// Each cloud by itself, far ones first, where they were asked for.
+    pub mattes: Vec<Matte>,
     /// What 1 stands for in those of light: [`Frame::unit`](crate::render::Frame::unit).
     pub unit: f32,
 }

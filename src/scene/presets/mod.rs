@@ -325,5 +325,6 @@ fn camera(position: DVec3, target: DVec3) -> Camera {
         target: tenths(target),
         roll_deg: 0.0,
         projection: Projection::Perspective { vertical_fov_deg: FIELD_OF_VIEW },
+        ..Camera::default()
     }
 }
