@@ -127,8 +127,41 @@ fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, sq
     return max(sum.x / sum.y, 0.0) / -map.along.y;
 }
 
+// Mean share over a level disc, radius in m, about a point.
+fn sun_map_around(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f, radius: f32) -> f32 {
+    let taps = select(0u, TAPS, map.squares > 0u);
+    var light = select(1.0, 0.0, taps > 0u);
+    for (var tap = 0u; tap < taps; tap++) {
+        let away = radius * disc_tap(tap);
+        light += sun_map_light(map, lit, linear, p + vec3f(away.x, 0.0, away.y)) / f32(TAPS);
+    }
+    return light;
+}
+
+// Radius of the disc over which light that came in by one point of the top has spread `below` it in a layer of this
+// thickness, m: it diffuses, and leaves at both faces, so that the mean square of its way across is
+// 2/3 z (2 H - z), whatever the mean free path.
+fn sun_map_diffused(thickness: f32, below: f32) -> f32 {
+    return sqrt(4.0 / 3.0 * below * (2.0 * thickness - below));
+}
+
 // How far light that a cloud scatters down spreads about the foot of its beam, as a share of the way there.
 const SPREAD: f32 = 0.7;
+
+// What clouds scatter down to a point, m from the camera, where `light` of the sun's own comes through to it: as behind
+// all of them, as much of it as they have taken before the point.
+fn sun_map_scattered(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f, light: f32) -> f32 {
+    var place = map.place;
+    let at = sun_map_coordinate(map, place[0], p);
+    let spread = SPREAD * sun_map_distance(map, lit, linear, 0u, at) * place[0].z;
+    let taps = select(0u, TAPS, map.squares > 0u);
+    var sum = vec2f(0.0);
+    for (var tap = 0u; tap < taps; tap++) {
+        let wide = textureSampleLevel(lit, linear, at.xy + spread * disc_tap(tap), SUN_MAP_LAYERS - 1u, 0.0);
+        sum += vec2f(max(wide.w - wide.z, 0.0), 1.0 - wide.z) / f32(TAPS);
+    }
+    return sum.x * saturate((1.0 - light) / max(sum.y, 1e-4));
+}
 
 // Light on level ground behind all clouds, as shares of what it has without them: the sun's own, with the penumbra of
 // its disc, and what clouds scatter down.

@@ -76,7 +76,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sky_volume", "extinction_at"),
             ("sun_maps", "extinction_at"),
             ("sun_shade", "known_at other_depth"),
-            ("shade", "sun_depth"),
+            ("shade", "sun_depth shade_diffuse"),
             ("sun_normals", "surface_at"),
             ("voxels", "extinction_at"),
             ("openness", "conductances_at"),

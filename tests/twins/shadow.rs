@@ -114,6 +114,16 @@ pub fn twins() -> Vec<Twin> {
         .over("all", |random| {
             scalars([random.log(1e-3, 1e3), random.between(0.05, 1.0), random.between(0.1, 1.9)])
         }),
+        // The mean square of a disc's radius is half that of its rim.
+        Twin::new("sun_map_diffused", "sun_map", "return vec4f(sun_map_diffused(x[0].x, x[0].y));", |x| {
+            let [thickness, below, ..] = x[0];
+            let mean_square = 2.0 / 3.0 * (thickness.powi(2) - (thickness - below).powi(2));
+            one((2.0 * mean_square).sqrt())
+        })
+        .over("all", |random| {
+            let thickness = random.log(1.0, 1e4);
+            scalars([thickness, thickness * random.between(0.01, 1.0)])
+        }),
         Twin::new("sun_map_through", "sun_map", "return vec4f(sun_map_through(x[0].x));", |x| {
             one((-x[0][0]).exp())
         })
