@@ -17,9 +17,9 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, GridUniform, MOST_GRIDS, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
-        LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
-        resolve_uniform,
+        BRICK, BetweenUniform, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform,
+        LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport,
+        VoxelsUniform, resolve_uniform,
     },
     scene::{BLOCK_EDGE, BLOCK_VOXELS, Tone, ToneCurve},
 };
@@ -126,6 +126,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Species",
             layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees, ahead),
         ),
+        ("moments_between", "Between", layout!(BetweenUniform: rows, through)),
         (
             "moments_sweep",
             "Field",

@@ -34,6 +34,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("ground_light", "main"),
             ("march", "quad beauty layers normals cost"),
             ("mips", "main"),
+            ("moments_between", "main"),
             ("moments_entering", "main"),
             ("moments_keep", "main"),
             ("moments_medium", "main"),

@@ -129,6 +129,22 @@ impl LayerShape {
         f64::from(peak - begin) >= self.need(nearest.into())
     }
 
+    /// Heights of the upper and the lower side above and below the rims, m, where the field is `excess` above where the cover
+    /// begins: `layer_heights` of `shaders/lib/layer.wgsl`, of the sheet or the heaps.
+    pub fn heights(&self, excess: f64) -> [f64; 2] {
+        let LayerUniform { top, bottom, rise, sheet, flat, round, .. } = self.uniform;
+        let round = f64::from(round);
+        let shares = |rise: f32| {
+            let fill = (excess / f64::from(rise)).clamp(0.0, 1.0);
+            let g = (fill * (fill + 2.0 * round)).sqrt();
+            [g / (1.0 + 2.0 * round).sqrt(), g / (g * g + 2.0).sqrt() / lower(round)]
+        };
+        let (heaps, sheet) = (shares(rise), shares(sheet));
+        std::array::from_fn(|side| {
+            f64::from([top, bottom][side]) * heaps[side].max(f64::from(flat) * sheet[side])
+        })
+    }
+
     /// How far above where the cover begins the field must be for cloud at a height above the rims: the least that
     /// `layer_need` of `shaders/lib/layer.wgsl` tells of the sheet and the heaps.
     fn need(&self, height: f64) -> f64 {
