@@ -77,7 +77,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "sky",
             "SunMap",
-            layout!(SunMapUniform: across, squares, aside, sun_radius, along, reach, place, planes),
+            layout!(SunMapUniform: across, squares, aside, sun_radius, along, reach, place, planes, endless),
         ),
         (
             "path",
