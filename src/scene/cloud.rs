@@ -5,7 +5,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union};
+use super::{
+    Bounds, CoverMap, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union,
+};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
@@ -94,6 +96,11 @@ impl Default for Cloud {
 }
 
 impl Cloud {
+    /// The painted map of its layer.
+    pub fn map(&self) -> Option<&CoverMap> {
+        self.layer.as_ref()?.map.as_ref()
+    }
+
     /// A layer.
     pub fn layered(name: &str, layer: Layer) -> Self {
         Self { name: name.to_owned(), layer: Some(layer), ..Self::default() }

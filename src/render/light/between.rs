@@ -158,7 +158,7 @@ impl<'a> Part<'a> {
 
     /// The mean of its columns.
     fn slab(&self, mu0: f64) -> Slab {
-        let coverage = 1.0 - f64::from(self.shape.uniform.begin);
+        let coverage = self.shape.covered();
         let species = &self.cloud.medium.species;
         let medium =
             Scattering::new(species.beyond_ahead().map(|share| f64::from(share * species.albedo)), mu0);
@@ -166,7 +166,7 @@ impl<'a> Part<'a> {
         let columns = Quadrature::new(COLUMNS);
         let mut mean = Slab::NONE.times(1.0 - coverage);
         for (place, weight) in columns.mu.iter().zip(&columns.weight) {
-            let length = column(self.shape, &self.cloud.medium, coverage * place, self.heights);
+            let length = column(self.shape, &self.cloud.medium, self.shape.excess(*place), self.heights);
             let depth = transported * f64::from(self.shape.uniform.extinction) * length;
             mean = mean.plus(&medium.slab(depth).times(coverage * weight));
         }
