@@ -27,7 +27,10 @@ const SAMPLES: u32 = 2u;
             let t = start + (f32(i) + 0.5) * step;
             let here = air_ray_at(sky.atmosphere, ray, t);
             let medium = atmosphere_medium(sky.atmosphere, here.altitude);
-            let shadow = 1.0 - sun_map_light(map, lit, linear_sampler, view.origin + t * view.direction);
+            let p = view.origin + t * view.direction;
+            // Layers go round the earth.
+            let height = select(p.y, here.altitude - camera.altitude, map.endless > 0.0);
+            let shadow = 1.0 - sun_map_light(map, lit, linear_sampler, vec3f(p.x, height, p.z));
             let source = shadow * air_source_of_sun(sky.atmosphere, transmittance, linear_sampler, medium, here);
             missing = scattering_step(missing, source, medium.extinction, step);
         }

@@ -17,9 +17,9 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, GridUniform, MOST_GRIDS, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform, LightBox,
-        LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport, VoxelsUniform,
-        resolve_uniform,
+        BRICK, BetweenUniform, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform,
+        LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport,
+        VoxelsUniform, resolve_uniform,
     },
     scene::{BLOCK_EDGE, BLOCK_VOXELS, Tone, ToneCurve},
 };
@@ -68,7 +68,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 25] = [
+    let cases: [(&str, &str, Layout); 26] = [
         ("path", "Grid", layout!(GridUniform: low, cell, size, first, repeats, more)),
         ("path", "PlacedLayer", layout!(PlacedLayerUniform: layer, origin, body)),
         ("path", "PlacedVolume", layout!(PlacedVolumeUniform: volume, origin, body)),
@@ -77,7 +77,7 @@ fn structs_of_rust_and_shaders_agree() {
         (
             "sky",
             "SunMap",
-            layout!(SunMapUniform: across, squares, aside, sun_radius, along, reach, place, planes),
+            layout!(SunMapUniform: across, squares, aside, sun_radius, along, reach, place, planes, endless),
         ),
         (
             "path",
@@ -126,6 +126,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Species",
             layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees, ahead),
         ),
+        ("moments_between", "Between", layout!(BetweenUniform: rows, through)),
         (
             "moments_sweep",
             "Field",

@@ -38,11 +38,6 @@ struct Node {
     seen: f32,
 }
 
-// What other clouds let through to a node.
-fn node_lit(node: Node) -> f32 {
-    return exp(-node.depth.y);
-}
-
 // What is seen of a ray.
 struct RaySeen {
     // Opacity, without the peak.

@@ -27,6 +27,8 @@ struct SunMap {
     place: array<vec4f, SUN_MAP_SQUARES>,
     // Depths of the planes below the camera, m, rising.
     planes: array<vec4f, SUN_MAP_SQUARES * SUN_MAP_LAYERS>,
+    // 1 where something casts a shadow that has no end, and heights follow the round earth; else 0.
+    endless: f32,
 }
 
 // Texture coordinates of a point, m from the camera, and its depth below the camera, m.
@@ -49,6 +51,24 @@ fn sun_map_square(map: SunMap, p: vec3f) -> u32 {
         square = select(square, i, all(uv > vec2f(0.01)) && all(uv < vec2f(0.99)));
     }
     return square;
+}
+
+// Where a point, m from the camera, is in the map.
+struct SunMapPlace {
+    square: u32,
+    at: vec3f,
+    // Whether there may be a shadow.
+    known: bool,
+}
+
+// The place in the finest square that holds a point. Beyond the map layers go on: there they are as in it, again and again.
+fn sun_map_place(map: SunMap, p: vec3f) -> SunMapPlace {
+    var place = map.place;
+    let square = sun_map_square(map, p);
+    let inside = square < map.squares;
+    let held = select(0u, square, inside);
+    let at = sun_map_coordinate(map, place[held], p);
+    return SunMapPlace(held, select(vec3f(fract(at.xy), at.z), at, inside), inside || map.endless > 0.0);
 }
 
 // Share of light after an optical depth.
@@ -93,11 +113,8 @@ fn sun_map_in(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, square: 
 
 // Share of the sun's light that clouds let through to a point, m from the camera: for air and for things.
 fn sun_map_light(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> f32 {
-    var place = map.place;
-    let square = sun_map_square(map, p);
-    let known = min(square, SUN_MAP_SQUARES - 1u);
-    let light = sun_map_in(map, lit, linear, known, sun_map_coordinate(map, place[known], p));
-    return select(1.0, light, square < map.squares);
+    let place = sun_map_place(map, p);
+    return select(1.0, sun_map_in(map, lit, linear, place.square, place.at), place.known);
 }
 
 const TAPS: u32 = 8u;
@@ -127,20 +144,54 @@ fn sun_map_distance(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, sq
     return max(sum.x / sum.y, 0.0) / -map.along.y;
 }
 
+// Mean share over a level disc, radius in m, about a point.
+fn sun_map_around(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f, radius: f32) -> f32 {
+    let taps = select(0u, TAPS, map.squares > 0u);
+    var light = select(1.0, 0.0, taps > 0u);
+    for (var tap = 0u; tap < taps; tap++) {
+        let away = radius * disc_tap(tap);
+        light += sun_map_light(map, lit, linear, p + vec3f(away.x, 0.0, away.y)) / f32(TAPS);
+    }
+    return light;
+}
+
+// Radius of the disc over which light that came in by one point of the top has spread `below` it in a layer of this
+// thickness, m: it diffuses, and leaves at both faces, so that the mean square of its way across is
+// 2/3 z (2 H - z), whatever the mean free path.
+fn sun_map_diffused(thickness: f32, below: f32) -> f32 {
+    return sqrt(4.0 / 3.0 * below * (2.0 * thickness - below));
+}
+
 // How far light that a cloud scatters down spreads about the foot of its beam, as a share of the way there.
 const SPREAD: f32 = 0.7;
+
+// What clouds scatter down to a point, m from the camera, where `light` of the sun's own comes through to it: as behind
+// all of them, as much of it as they have taken before the point.
+fn sun_map_scattered(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f, light: f32) -> f32 {
+    var place = map.place;
+    let whole = sun_map_coordinate(map, place[0], p);
+    let at = vec3f(select(whole.xy, fract(whole.xy), map.endless > 0.0), whole.z);
+    let spread = SPREAD * sun_map_distance(map, lit, linear, 0u, at) * place[0].z;
+    let taps = select(0u, TAPS, map.squares > 0u);
+    var sum = vec2f(0.0);
+    for (var tap = 0u; tap < taps; tap++) {
+        let wide = textureSampleLevel(lit, linear, at.xy + spread * disc_tap(tap), SUN_MAP_LAYERS - 1u, 0.0);
+        sum += vec2f(max(wide.w - wide.z, 0.0), 1.0 - wide.z) / f32(TAPS);
+    }
+    return sum.x * saturate((1.0 - light) / max(sum.y, 1e-4));
+}
 
 // Light on level ground behind all clouds, as shares of what it has without them: the sun's own, with the penumbra of
 // its disc, and what clouds scatter down.
 fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> vec2f {
     var place = map.place;
-    let square = sun_map_square(map, p);
-    let known = min(square, SUN_MAP_SQUARES - 1u);
-    let at = sun_map_coordinate(map, place[known], p);
+    let here = sun_map_place(map, p);
+    let known = here.square;
+    let at = here.at;
     let way = sun_map_distance(map, lit, linear, known, at);
     let radius = map.sun_radius * way * place[known].z;
     // Light spreads far: the coarsest square does for it.
-    let whole = sun_map_coordinate(map, place[0], p);
+    let whole = select(sun_map_coordinate(map, place[0], p), at, known == 0u);
     let spread = SPREAD * way * place[0].z;
     var light = vec2f(0.0);
     for (var tap = 0u; tap < TAPS; tap++) {
@@ -149,5 +200,5 @@ fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: v
         light.x += textureSampleLevel(lit, linear, near, SUN_MAP_LAYERS * (known + 1u) - 1u, 0.0).z;
         light.y += max(wide.w - wide.z, 0.0);
     }
-    return select(vec2f(1.0, 0.0), light / f32(TAPS), square < map.squares);
+    return select(vec2f(1.0, 0.0), light / f32(TAPS), here.known);
 }

@@ -1,6 +1,6 @@
 // Light in the cloud solved for on a grid, as the eye sees it, and light that keeps its direction but for
 // small angles in closed form, which follows from the optical depth to the sun.
-// @use field field_view flash ray_seen slab sunlight
+// @use field field_view flash ray_seen shade slab sunlight
 
 // What each cell scatters towards the eye: of the sun's light, per unit of it, to first order in the
 // direction; of sky and ground, red, green and blue.
@@ -89,7 +89,9 @@ fn source_of_sun(ray: LightRay, inside: vec3f, node: Node) -> vec3f {
     let after = -ray.direction;
     var solved = solved_of_sun(inside, after);
     if SHADED {
-        solved *= node_lit(node);
+        let thickness = 1.0 / light.field_scale.y;
+        let below = thickness * saturate(1.0 - inside.y);
+        solved *= shade_diffuse(light_ray_at(ray, node.t), thickness, below, light.mean_free_path * abs(ray.to_sun.y));
     }
     let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(node.depth.x));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;

@@ -22,7 +22,7 @@ use super::{
     theme,
     viewport::{ViewCommand, ViewSettings, Viewport},
 };
-use crate::scene::Volume;
+use crate::scene::{CoverMap, Volume};
 
 /// What the editor starts with.
 #[derive(Debug, Clone)]
@@ -204,9 +204,12 @@ impl Editor {
     fn take_in(&mut self, ctx: &Context) {
         let dropped = ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_owned()));
         if let Some(path) = dropped {
-            match Volume::is_named(&path) {
-                true => self.add_volume(&path),
-                false => self.ask(ctx, Then::Open(path)),
+            if Volume::is_named(&path) {
+                self.add_volume(&path);
+            } else if let Some(layer) = self.layer_at_hand().filter(|_| CoverMap::is_named(&path)) {
+                self.paint(layer, &path);
+            } else {
+                self.ask(ctx, Then::Open(path));
             }
         }
         for ended in self.jobs.go_on(ctx) {

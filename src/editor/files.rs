@@ -14,7 +14,7 @@ use super::{
     palette::Answer,
     viewport::ViewCommand,
 };
-use crate::scene::{Cloud, Scene, Volume};
+use crate::scene::{Cloud, CoverMap, Scene, Volume};
 
 impl Editor {
     /// What the editor begins with.
@@ -122,6 +122,30 @@ impl Editor {
             *selection = Selection::cloud(scene, scene.clouds.len() - 1);
         });
         self.notices.news(format!("Added {}.", path.display()));
+    }
+
+    /// The number of the selected cloud where it is a layer.
+    pub(super) fn layer_at_hand(&self) -> Option<usize> {
+        self.document.active_cloud().filter(|(_, cloud)| cloud.layer.is_some()).map(|(index, _)| index)
+    }
+
+    /// Lets the picture in a file tell what the layer of a cloud covers.
+    pub(super) fn paint(&mut self, index: usize, path: &Path) {
+        let folder = self.session.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let mut scene = self.document.scene().clone();
+        let Some(layer) = &mut scene.clouds[index].layer else { return };
+        let size = layer.map.as_ref().map_or(2.0 * layer.period(), |map| map.size);
+        let mut map = CoverMap { file: Volume::path_from(&folder, path), size, ..CoverMap::default() };
+        if let Err(error) = map.read(&folder) {
+            return self.notices.problem(error);
+        }
+        layer.map = Some(map);
+        let painted = scene.clouds[index].layer.clone();
+        if let Err(error) = scene.validate() {
+            return self.notices.problem(error);
+        }
+        self.document.edit("Paint a layer", |scene| scene.clouds[index].layer = painted);
+        self.notices.news(format!("{} tells what the layer covers.", path.display()));
     }
 
     /// Saves to the file, or to one that is asked for; then goes on with `then`.

@@ -185,6 +185,9 @@ fn check_size(size: [u32; 2]) -> Result<()> {
 fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
     let mut frames = Vec::new();
     for (number, cloud) in scene.clouds.iter().enumerate() {
+        if let Some(map) = cloud.map().filter(|map| map.cover().is_none()) {
+            return Err(map.unread());
+        }
         if let Some(shape) = LayerShape::new(cloud, scene.ground.altitude) {
             let (origin, half) = (shape.anchor(), shape.half());
             let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);

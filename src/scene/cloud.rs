@@ -5,7 +5,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union};
+use super::{
+    Bounds, CoverMap, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union,
+};
 use crate::Result;
 
 /// Least part of an ellipsoid that is shown of it.
@@ -97,6 +99,11 @@ impl Cloud {
     /// What it is called: its name, or its `number` among the clouds.
     pub fn label(&self, number: usize) -> String {
         if self.name.is_empty() { format!("cloud {}", number + 1) } else { self.name.clone() }
+    }
+
+    /// The painted map of its layer.
+    pub fn map(&self) -> Option<&CoverMap> {
+        self.layer.as_ref()?.map.as_ref()
     }
 
     /// A layer.

@@ -10,7 +10,7 @@ use schemars::schema_for;
 use serde_json::Value;
 
 use super::explain::{explain, not_json};
-use super::{FORMAT, MAX_ELLIPSOIDS, Scene, validate};
+use super::{Cloud, FORMAT, MAX_ELLIPSOIDS, Scene, validate};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
@@ -56,16 +56,21 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of its volumes, whose paths start from `folder`.
+    /// Reads the files of its volumes and of the maps of its layers, whose paths start from `folder`.
     ///
     /// # Errors
-    /// [`Error::Scene`] with the JSON path of the first volume that can't be read, and why.
+    /// [`Error::Scene`] with the JSON path of the first that can't be read, and why.
     pub fn read_volumes(&mut self, folder: &Path) -> Result<()> {
         let root = validate::At::Root;
         let list = root.field("clouds");
         for (i, cloud) in self.clouds.iter_mut().enumerate() {
-            let Some(volume) = &mut cloud.volume else { continue };
             let at = list.index(i);
+            if let Some(map) = cloud.layer.as_mut().and_then(|layer| layer.map.as_mut()) {
+                let layer = at.field("layer");
+                let at = layer.field("map");
+                map.read(folder).map_err(|error| at.problem(error.to_string()))?;
+            }
+            let Some(volume) = &mut cloud.volume else { continue };
             let at = at.field("volume");
             volume.read(folder).map_err(|error| at.problem(error.to_string()))?;
             volume.check(at)?;
@@ -87,25 +92,28 @@ impl Scene {
     /// Validates the scene and writes it as JSON.
     ///
     /// Other programs see the old file or the new one, never a half: the text goes to
-    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of volumes that were
-    /// read are told from the folder of the file.
+    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of volumes and maps
+    /// that were read are told from the folder of the file.
     ///
     /// # Errors
     /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
         let path = path.as_ref();
-        let text = match self.clouds.iter().any(|cloud| cloud.volume.is_some()) {
+        let names = |cloud: &Cloud| cloud.volume.is_some() || cloud.map().is_some();
+        let text = match self.clouds.iter().any(names) {
             true => self.written_from(folder_of(path)).to_json(),
             false => self.to_json(),
         };
         write_whole(path, |file| file.write_all(text.as_bytes()))
     }
 
-    /// The same scene in a file in `folder`: paths of volumes that were read are told from there.
+    /// The same scene in a file in `folder`: paths of volumes and maps that were read are told from there.
     pub(crate) fn written_from(&self, folder: &Path) -> Self {
         let mut written = self.clone();
         written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder));
+        let maps = written.clouds.iter_mut().filter_map(|cloud| cloud.layer.as_mut()?.map.as_mut());
+        maps.for_each(|map| *map = map.written_from(folder));
         written
     }
 

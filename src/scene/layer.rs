@@ -4,8 +4,8 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Noise;
 use super::validate::{At, COORDINATE, Limits};
+use super::{CoverMap, Noise};
 use crate::Result;
 
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
@@ -58,6 +58,10 @@ pub struct Layer {
     pub offset: [f64; 2],
     /// Any whole number, 0 to 4294967295: other seeds give other layers of the same kind.
     pub seed: u32,
+    /// What of the sky it covers, as painted: where the map is white, as much as `coverage` says, and where it is darker, as much
+    /// less. With a `coverage` of 1 the painted value is the share that is covered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<CoverMap>,
 }
 
 impl Default for Layer {
@@ -75,6 +79,7 @@ impl Default for Layer {
             density: 1.0,
             offset: [0.0; 2],
             seed: 0,
+            map: None,
         }
     }
 }
@@ -83,9 +88,10 @@ impl Layer {
     /// After so many times its scale it repeats itself, along x and along z.
     pub const PERIOD: f64 = 12.0;
 
-    /// Length after which it repeats itself along x and along z, m.
+    /// Length after which it repeats itself along x and along z, m: with a map as this does, and heaps are fitted to it.
     pub fn period(&self) -> f64 {
-        Self::PERIOD * self.scale
+        let [_, maps] = self.map.as_ref().map_or([1; 2], |map| map.repeats(self.scale));
+        self.map.as_ref().map_or(Self::PERIOD * self.scale, |map| map.size * maps as f64)
     }
 
     /// Size of the largest billows of its edge, m, where `noise` shapes that.
@@ -118,6 +124,7 @@ impl Layer {
         at.field("cells").number(self.cells, SHARE)?;
         at.field("bulge").number(self.bulge, BULGE)?;
         at.field("density").number(self.density, DENSITY)?;
-        at.field("offset").numbers(&self.offset, COORDINATE)
+        at.field("offset").numbers(&self.offset, COORDINATE)?;
+        self.map.as_ref().map_or(Ok(()), |map| map.check(at.field("map"), self.scale))
     }
 }

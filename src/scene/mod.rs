@@ -5,6 +5,7 @@
 mod block;
 mod camera;
 mod cloud;
+mod cover_map;
 mod dice;
 mod droplets;
 mod edge;
@@ -39,6 +40,7 @@ pub(crate) use block::voxel;
 pub use block::{BLOCK_EDGE, BLOCK_VOXELS, Block};
 pub use camera::{Aperture, Camera, Projection};
 pub use cloud::Cloud;
+pub use cover_map::{Cover, CoverMap};
 pub use droplets::{Droplets, Phase};
 pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;

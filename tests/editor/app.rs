@@ -276,6 +276,35 @@ fn a_volume_that_is_dropped_is_added_with_its_numbers_and_stays() {
 }
 
 #[test]
+fn a_picture_that_is_dropped_paints_the_selected_layer() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Stratus);
+    let picture = folder.path().join("cover.png");
+    image::GrayImage::from_fn(8, 8, |x, _| image::Luma([32 * x as u8])).save(&picture).unwrap();
+    let mut window = open(folder.path(), Some(&path));
+    let map = |window: &Window<'_>| window.state().scene().clouds[0].map().cloned();
+    let document = window.state_mut().editor().document_mut();
+    let selection = Selection::cloud(document.scene(), 0);
+    document.select(selection);
+    window.run_steps(2);
+    drop_file(&mut window, &picture);
+    let painted = map(&window).unwrap_or_else(|| panic!("{}", told(&mut window)));
+    assert_eq!((painted.file.as_str(), painted.cover().unwrap().size()), ("cover.png", [8, 8]));
+    window.get_by_label_contains("painted by cover.png");
+    enter(&mut window, "Size of the map", "12000");
+    assert_eq!(map(&window).unwrap().size, 12000.0);
+    window.run_steps(4);
+    shoot(&mut window, "painted");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert!(Scene::load(&path).unwrap().clouds[0].map().unwrap().cover().is_some());
+    // What is no picture is told, and the map stays.
+    fs::write(&picture, b"nothing").unwrap();
+    drop_file(&mut window, &picture);
+    assert!(told(&mut window).contains("no PNG picture"), "{}", told(&mut window));
+    assert!(map(&window).unwrap().cover().is_some());
+}
+
+#[test]
 fn a_read_only_file_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Kol);

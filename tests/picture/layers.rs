@@ -8,11 +8,12 @@ use common::{
     gpu,
     picture::{draw, renderer, scene},
 };
+use glam::DVec3;
 use nephos::{
     export::Picture,
-    reference::Estimate,
-    render::{Film, Quality, Transport},
-    scene::Scene,
+    reference::{Estimate, PathOptions, PathTracer},
+    render::{Film, Frame, Quality, Transport},
+    scene::{Camera, Preset, Projection, Scene},
 };
 
 const SIZE: [u32; 2] = [48, 27];
@@ -96,17 +97,114 @@ fn light_of_layers_is_near_the_truth() {
 
 /// Share of pixels whose opacity is above a half, by rays straight down from above.
 fn covered(layer: &str, period: f64) -> f64 {
+    // A texel of the field each, so that nothing is a mean over some.
+    covered_of(&scene_above(layer, period), 1024)
+}
+
+/// An opaque layer from straight above, a period of it.
+fn scene_above(layer: &str, period: f64) -> Scene {
     let above = format!(
         r#""position": [0, 9000, 0], "target": [0, 0, -0.0001], "projection": {{"orthographic": {{"height": {period}}}}}"#
     );
     let opaque = r#""droplets": {"concentration_per_cm3": 2000, "effective_radius_um": 9}"#;
-    let scene = deck(layer, opaque, &above, HIGH);
-    // A texel of the field each, so that nothing is a mean over some.
-    let film = Film::new([1024, 1024], 1);
-    let frame = film.frame(&scene).unwrap();
+    deck(layer, opaque, &above, HIGH)
+}
+
+/// The same by so many rays along each edge.
+fn covered_of(scene: &Scene, rays: u32) -> f64 {
+    let film = Film::new([rays, rays], 1);
+    let frame = film.frame(scene).unwrap();
     let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
     let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
     picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() as f64 / picture.pixels.len() as f64
+}
+
+/// A layer as a picture in a file paints it: white in the north-west, black in the south-east, a ramp between.
+fn painted(folder: &std::path::Path, ending: &str) -> (Scene, f64) {
+    const EDGE: u32 = 64;
+    let value = |x: u32, y: u32| (2.0 - f64::from(x + y) / f64::from(EDGE)).clamp(0.2, 1.0) - 0.2;
+    let file = folder.join(format!("cover.{ending}"));
+    let pixel = |x: u32, y: u32| value(x, y) as f32;
+    if ending == "png" {
+        image::GrayImage::from_fn(EDGE, EDGE, |x, y| image::Luma([(255.0 * pixel(x, y)).round() as u8]))
+            .save(&file)
+            .unwrap();
+    } else {
+        exr::prelude::write_rgb_file(&file, EDGE as usize, EDGE as usize, |x, y| {
+            let grey = pixel(x as u32, y as u32);
+            (grey, grey, grey)
+        })
+        .unwrap();
+    }
+    let mean = (0..EDGE * EDGE).map(|i| value(i % EDGE, i / EDGE)).sum::<f64>() / f64::from(EDGE * EDGE);
+    let layer = format!(
+        r#""scale": 700, "coverage": 1, "offset": [300, -200], "map": {{"file": "cover.{ending}", "size": 20000}}"#
+    );
+    let path = folder.join("scene.json");
+    std::fs::write(&path, scene_above(&layer, 20000.0).to_json()).unwrap();
+    (Scene::load(&path).unwrap(), mean)
+}
+
+#[test]
+fn a_painted_layer_covers_the_mean_of_its_map_where_it_is_painted() {
+    let folder = tempfile::tempdir().unwrap();
+    for ending in ["png", "exr"] {
+        let (mut scene, mean) = painted(folder.path(), ending);
+        if ending == "png" {
+            let share = covered_of(&scene, 1024);
+            eprintln!("{share:.4} of {mean:.4}");
+            assert!((share - mean).abs() < 0.01, "{share} of {mean}");
+        }
+        // An eighth of it each: all covered in the north-west, clear in the south-east, and so for the path tracer.
+        for (corner, wanted) in [([-8500.0, -8500.0], 0.8), ([8500.0, 8500.0], 0.0)] {
+            let [x, z] = [corner[0] + 300.0, corner[1] - 200.0];
+            let camera = scene.camera.as_mut().unwrap();
+            (camera.position, camera.target) = ([x, 9000.0, z].into(), [x, 0.0, z - 1e-4].into());
+            camera.projection = Projection::Orthographic { height: 2500.0 };
+            let drawn = covered_of(&scene, 128);
+            // Paths end where they meet it.
+            scene.clouds[0].droplets.albedo = 0.0;
+            let frame = Frame::new(&scene, [64, 64]).unwrap();
+            let mut tracer = PathTracer::with_options(gpu(), &frame, &PathOptions::default()).unwrap();
+            tracer.trace(24, &mut |_| true).unwrap();
+            let truth = tracer.estimate().unwrap();
+            let traced =
+                truth.mean.iter().filter(|pixel| pixel[3] > 0.5).count() as f64 / truth.mean.len() as f64;
+            eprintln!("{corner:?}: {drawn:.3}, traced {traced:.3}");
+            assert!(
+                (drawn - wanted).abs() < 0.15 && (traced - drawn).abs() < 0.03,
+                "{corner:?}: {drawn}, {traced}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_map_that_cannot_be_used_is_refused_by_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("words.png"), "not a picture").unwrap();
+    std::fs::write(folder.path().join("words.exr"), "not a picture").unwrap();
+    let problem = |map: &str| {
+        let path = folder.path().join("scene.json");
+        std::fs::write(&path, format!(r#"{{"clouds": [{{"layer": {{"scale": 700, "map": {{{map}}}}}}}]}}"#))
+            .unwrap();
+        Scene::load(&path).unwrap_err().to_string()
+    };
+    for (map, words) in [
+        (r#""file": "none.png", "size": 20000"#, "none.png"),
+        (r#""file": "words.png", "size": 20000"#, "no PNG picture"),
+        (r#""file": "words.exr", "size": 20000"#, "no EXR picture"),
+        (r#""file": "", "size": 20000"#, "name the picture"),
+        (r#""file": "none.png", "size": 200000"#, "67200"),
+        (r#""file": "none.png", "size": 10"#, "100 to 1000000"),
+    ] {
+        let told = problem(map);
+        assert!(told.contains(words) && told.contains("map"), "{told}");
+    }
+    let unread =
+        Scene::from_json(r#"{"clouds": [{"layer": {"map": {"file": "none.png", "size": 9000}}}]}"#).unwrap();
+    let told = Frame::new(&unread, [8, 8]).err().unwrap().to_string();
+    assert!(told.contains("none.png") && told.contains("was not read"), "{told}");
 }
 
 #[test]
@@ -193,4 +291,24 @@ fn light_among_the_heaps_of_a_deck_stays_white_in_a_white_furnace() {
     let most = lights.map(|light| (light - 1.0).abs()).fold(0.0, f32::max);
     eprintln!("off by {most} at most");
     assert!(most < 0.01, "{most}");
+}
+
+#[test]
+fn no_bright_line_parts_a_closed_deck_from_the_ground() {
+    let mut scene = Preset::Stratus.scene(1);
+    let eye = DVec3::new(0.0, scene.ground.altitude + 2.0, 0.0);
+    scene.camera = Some(Camera {
+        position: eye,
+        target: eye - 1000.0 * DVec3::Z,
+        roll_deg: 0.0,
+        projection: Projection::Perspective { vertical_fov_deg: 5.0 },
+    });
+    // Rows of a twentieth of a degree, the horizon between the middle ones.
+    let picture = draw(&mut renderer(Quality::DRAFT, Transport::MOMENTS), &scene, [8, 100], true);
+    let rows: Vec<f32> =
+        picture.pixels.chunks(8).map(|row| row.iter().map(|p| p[1]).sum::<f32>() / 8.0).collect();
+    let brightest = |rows: &[f32]| rows.iter().copied().fold(0.0, f32::max);
+    let (line, sky) = (brightest(&rows[42..58]), brightest(&rows[10..35]));
+    eprintln!("at the horizon {line:.4}, above it {sky:.4}");
+    assert!(line < 1.1 * sky, "{rows:?}");
 }

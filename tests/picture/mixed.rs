@@ -103,19 +103,39 @@ fn against_truth(scene: &Scene, samples: u32) -> (f64, f64, f64) {
     (sums[0] / sums[1], ((square - noise).max(0.0) / light).sqrt(), sums[1])
 }
 
+/// Pictures of `clouds` with each of `others`: the mean over the true one, and the relative RMSE, are within bounds.
+fn assert_true_beside(at: impl Fn(&str) -> Scene, clouds: &str, others: &[String], [off, most]: [f64; 2]) {
+    let (bright, _, open) = against_truth(&at(clouds), 192);
+    let mut wrong = Vec::new();
+    for other in others {
+        let (mean, error, light) = against_truth(&at(&format!("{clouds}, {other}")), 192);
+        let share = light / open;
+        let told = format!(
+            "alone {bright:.3}; beside others {mean:.3}, rmse {error:.3}, light {share:.3} of that alone"
+        );
+        eprintln!("{told}");
+        wrong.extend(((mean - 1.0).abs() > off || error > most).then(|| format!("{told}: {other}")));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
-fn a_cloud_below_a_sheet_has_the_light_that_comes_through() {
+fn a_cloud_has_the_light_that_layers_scatter_to_it() {
     let cloud = ball([0.0, 1000.0, 0.0], 150.0, 40.0);
-    let veil = sheet(3000.0, 200.0, 5.0);
     let at = |clouds: &str| seen(clouds, [0.0, 1000.0, 900.0], [0.0, 1000.0, 0.0], 320.0, 50.0);
-    let (bright, _, open) = against_truth(&at(&cloud), 192);
-    let (mean, error, light) = against_truth(&at(&format!("{cloud}, {veil}")), 192);
-    eprintln!(
-        "alone {bright:.3}; below a sheet {mean:.3} rmse {error:.3}, light {:.3} of that alone",
-        light / open
-    );
-    // What the sheet scatters down is left out: in truth it is as much as the sheet takes.
-    assert!((0.75..0.95).contains(&mean), "{mean}");
+    // A thin sheet above, one of optical depth 5, a deck with holes, and a sheet below.
+    let deck = DECK.replace("1000", "2000");
+    let layers = [sheet(3000.0, 200.0, 5.0), sheet(2000.0, 300.0, 74.0), deck, sheet(200.0, 300.0, 74.0)];
+    assert_true_beside(at, &cloud, &layers, [0.05, 0.1]);
+}
+
+#[test]
+fn a_layer_has_the_light_that_one_above_scatters_to_it() {
+    let at = |clouds: &str| seen(clouds, [0.0, 2500.0, 0.0], [0.0, 1000.0, -0.1], 500.0, 50.0);
+    let below = sheet(1000.0, 300.0, 40.0);
+    assert_true_beside(at, &below, &[sheet(3000.0, 200.0, 5.0)], [0.05, 0.05]);
+    // What of the light from above is scattered once more is left out.
+    assert_true_beside(at, &below, &[sheet(3000.0, 200.0, 50.0)], [0.09, 0.1]);
 }
 
 #[test]
@@ -135,6 +155,18 @@ fn a_ball_casts_its_shadow_on_the_deck_below() {
         sums.push(light);
     }
     assert!(sums[1] < 0.92 * sums[0], "{sums:?}");
+}
+
+#[test]
+fn a_shadow_on_a_deck_is_soft_from_below() {
+    let cloud = ball([0.0, 1900.0, 0.0], 250.0, 40.0);
+    let (x, z) = (-600.0 * 120f64.to_radians().sin(), 600.0 * 120f64.to_radians().cos());
+    let at = |clouds: &str| seen(clouds, [x, 200.0, z], [x, 1000.0, z - 0.1], 900.0, 45.0);
+    // Thin and thick: optical depths 1.4 and 5.
+    for per_cm3 in [20.0, 74.0] {
+        let deck = sheet(1000.0, 300.0, per_cm3);
+        assert_true_beside(at, &deck, std::slice::from_ref(&cloud), [0.05, 0.06]);
+    }
 }
 
 #[test]

@@ -125,10 +125,6 @@ fn sunlight() -> Vec<Twin> {
         )
         .declaring(PIECE)
         .over("all", piece),
-        Twin::new("node_lit", "lighting", "return vec4f(node_lit(Node(0.0, x[0].xy, 1.0)));", |x| {
-            one((-x[0][1]).exp())
-        })
-        .over("all", |random| scalars([random.log(1e-3, 80.0), random.log(1e-4, 80.0)])),
         Twin::new(
             "sun_scattered",
             "sun_sum",

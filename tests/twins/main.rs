@@ -76,6 +76,11 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("sun_map_light", "the same"),
     ("sun_map_distance", "the same"),
     ("sun_map_ground", "the same"),
+    (
+        "sun_map_around",
+        "the same: tests/picture/mixed.rs holds layers in shadow against the path tracer, as the next",
+    ),
+    ("sun_map_scattered", "the same"),
 ];
 
 fn twins() -> Vec<Twin> {

@@ -11,7 +11,7 @@ use crate::pack::{input, line, one, scalars, three, two, vector, xyz};
 const MAP: &str = "
     fn map(x: array<vec4f, 8>) -> SunMap {
         let finer = vec4f(x[4].xy, 5.0 * x[4].z, x[4].w);
-        return SunMap(x[1].xyz, 2u, x[2].xyz, 0.0, x[3].xyz, 0.0, array(x[4], finer, finer), array<vec4f, 12>());
+        return SunMap(x[1].xyz, 2u, x[2].xyz, 0.0, x[3].xyz, 0.0, array(x[4], finer, finer), array<vec4f, 12>(), x[0].w);
     }";
 
 /// A point, three axes at right angles, and a square of up to 100 km in which it lies.
@@ -54,6 +54,20 @@ fn square(x: &Wide) -> Output {
     })
 }
 
+/// Where a point is: in a square, or beyond all, where the coarsest repeats itself.
+fn placed_in(x: &Wide) -> Output {
+    let ([u, v, _], [found, ..]) = (coordinate(x), square(x));
+    let wraps = [u, v].iter().any(|at| (at - at.round()).abs() < 1e-3);
+    if found.is_nan() || (found == 2.0 && wraps) {
+        return [f64::NAN; 4];
+    }
+    match found {
+        1.0 => [5.0 * u, 5.0 * v, 1.0, 1.0],
+        0.0 => [u, v, 0.0, 1.0],
+        _ => [u.rem_euclid(1.0), v.rem_euclid(1.0), 0.0, x[0][3]],
+    }
+}
+
 fn passed(x: &Wide) -> Output {
     let (to, [begin, s, ..]) = (x[0], x[1]);
     let from = [begin, to[0], to[1], to[2]];
@@ -93,6 +107,20 @@ pub fn twins() -> Vec<Twin> {
         .declaring(MAP)
         .exact()
         .over("all", placed),
+        Twin::new(
+            "sun_map_place",
+            "sun_map",
+            "let here = sun_map_place(map(x), x[0].xyz);
+            return vec4f(here.at.xy, f32(here.square), select(0.0, 1.0, here.known));",
+            placed_in,
+        )
+        .declaring(MAP)
+        .over("all", |random| {
+            let mut x = placed(random);
+            x[0][3] = if random.between(0.0, 1.0) < 0.5 { 0.0 } else { 1.0 };
+            x
+        })
+        .beside(2e5),
         Twin::new("sun_map_passed", "sun_map", "return sun_map_passed(x[1].x, x[0], x[1].y);", passed)
             .over("all", planes),
         Twin::new("sun_map_planes", "sun_map", "return sun_map_planes(x[0], u32(x[1].x));", |x| {
@@ -113,6 +141,16 @@ pub fn twins() -> Vec<Twin> {
         })
         .over("all", |random| {
             scalars([random.log(1e-3, 1e3), random.between(0.05, 1.0), random.between(0.1, 1.9)])
+        }),
+        // The mean square of a disc's radius is half that of its rim.
+        Twin::new("sun_map_diffused", "sun_map", "return vec4f(sun_map_diffused(x[0].x, x[0].y));", |x| {
+            let [thickness, below, ..] = x[0];
+            let mean_square = 2.0 / 3.0 * (thickness.powi(2) - (thickness - below).powi(2));
+            one((2.0 * mean_square).sqrt())
+        })
+        .over("all", |random| {
+            let thickness = random.log(1.0, 1e4);
+            scalars([thickness, thickness * random.between(0.01, 1.0)])
         }),
         Twin::new("sun_map_through", "sun_map", "return vec4f(sun_map_through(x[0].x));", |x| {
             one((-x[0][0]).exp())

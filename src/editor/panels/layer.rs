@@ -5,7 +5,7 @@ use eframe::egui::Ui;
 use super::{apply, hint, object::path};
 use crate::{
     editor::{Document, form::Form},
-    scene::{Cloud, Evaporation, Layer, timeline::Owner},
+    scene::{Cloud, CoverMap, Evaporation, Layer, timeline::Owner},
 };
 
 /// Whether a cloud is a layer, and its numbers.
@@ -16,14 +16,16 @@ pub(super) fn layer(ui: &mut Ui, document: &mut Document, index: usize, cloud: &
     let mut numbers = cloud.layer.clone().unwrap_or_default();
     if is_layer {
         layer_rows(&mut form, &mut numbers);
+        map_rows(&mut form, &mut numbers);
     }
     let change = form.changed();
     let told = match is_layer {
         true => {
             let depth = numbers.thickness * numbers.density * cloud.droplets.extinction();
             format!(
-                "Optical thickness where it is thickest: {depth:.1}. It repeats every {:.0} m.",
-                numbers.period()
+                "Optical thickness where it is thickest: {depth:.1}. It repeats every {:.0} m.{}",
+                numbers.period(),
+                map_told(&numbers)
             )
         }
         false => "To make it a layer takes its ellipsoids away.".to_owned(),
@@ -40,6 +42,40 @@ fn put(cloud: &mut Cloud, layer: Option<Layer>) {
         cloud.evaporation = Evaporation::default();
     }
     cloud.layer = layer;
+}
+
+/// What the map of a layer is.
+fn map_told(layer: &Layer) -> String {
+    match layer.map.as_ref().map(|map| (map, map.cover())) {
+        None => " Drop a PNG or EXR picture into the window to paint what it covers.".to_owned(),
+        Some((map, None)) => format!(" {} was not read: open the scene anew.", map.file),
+        Some((map, Some(cover))) => {
+            let [width, height] = cover.size();
+            let share = 100.0 * cover.mean();
+            format!(
+                " It is painted by {}, {width} x {height} pixels, {share:.0} % on average. Drop another picture into the window to \
+                 take that.",
+                map.file
+            )
+        }
+    }
+}
+
+/// The map, which a picture that is dropped makes.
+fn map_rows(form: &mut Form<'_>, numbers: &mut Layer) {
+    let Some(map) = &mut numbers.map else { return };
+    let mut is_painted = true;
+    form.slider(
+        "CoverMap.size",
+        "Size of the map",
+        &mut map.size,
+        CoverMap::default().size,
+        1000.0..=100_000.0,
+    );
+    form.check("Layer.map", "Painted", &mut is_painted, false);
+    if !is_painted {
+        numbers.map = None;
+    }
 }
 
 fn layer_rows(form: &mut Form<'_>, numbers: &mut Layer) {

@@ -62,9 +62,20 @@ impl BodyUniform {
     /// The most that extinction may be up to the height `top`, m, over that at its own top: the profile of
     /// `shaders/lib/body.wgsl`, which grows with height, and a little for its rounding.
     pub(crate) fn most_profile(&self, top: f32) -> f32 {
-        let height = ((top - self.base) * self.inverse_height).clamp(1e-4, 1.0);
-        let profile = 1.0 + self.stratification * (height.powf(2.0 / 3.0) - 1.0);
-        (1.001 * profile).min(1.0)
+        (1.001 * self.profile(top)).min(1.0)
+    }
+
+    /// Extinction at the height `y`, m, over that at the top.
+    fn profile(&self, y: f32) -> f32 {
+        let height = ((y - self.base) * self.inverse_height).clamp(1e-4, 1.0);
+        1.0 + self.stratification * (height.powf(2.0 / 3.0) - 1.0)
+    }
+
+    /// The share of extinction that is left at the height `y` and a `depth` below a displaced boundary, m: the profile, and
+    /// `undiluted` of `shaders/lib/density.wgsl`.
+    pub(crate) fn kept(&self, y: f64, depth: f64, boundary: f64) -> f64 {
+        let diluted = 1.0 - smooth_rise(depth / (2.0 * boundary.max(1e-3)));
+        f64::from(self.profile(y as f32)) * (1.0 - f64::from(self.dilution) * diluted)
     }
 
     /// The same body seen from an origin that is `offset` from its own, m, with its noise read from there.
@@ -72,4 +83,10 @@ impl BodyUniform {
         let y = offset.y as f32;
         Self { noise, base: self.base + y, level: self.level + y, table, ..self }
     }
+}
+
+/// The same as in `shaders/lib/density.wgsl`.
+pub(crate) fn smooth_rise(x: f64) -> f64 {
+    let y = x.clamp(0.0, 1.0);
+    y * y * y * (y * (6.0 * y - 15.0) + 10.0)
 }

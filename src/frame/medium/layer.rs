@@ -57,7 +57,7 @@ impl LayerShape {
         let middle = layer.base + 0.5 * layer.thickness;
         // Heaps of a sky that is hardly covered are low.
         let rise = layer.coverage.sqrt();
-        let sheet = (SHEET_RISE * (1.0 - layer.coverage)).max(1e-6);
+        let sheet = (SHEET_RISE * (1.0 - tile.above(1.0 - layer.coverage))).max(1e-6);
         let (flat, wispy) = (1.0 - layer.heaps, cloud.edge.wispiness);
         let round = ROUND[0] + (ROUND[1] - ROUND[0]) * wispy;
         let slope = f64::from(tile.steepest) / period;
@@ -127,6 +127,33 @@ impl LayerShape {
         let peak = self.tile.peak(mip, square[0].floor() as i64, square[1].floor() as i64);
         let nearest = 0_f32.clamp(low - rim, high - rim);
         f64::from(peak - begin) >= self.need(nearest.into())
+    }
+
+    /// Share of the plan that it covers.
+    pub fn covered(&self) -> f64 {
+        self.tile.above(self.uniform.begin.into())
+    }
+
+    /// How far the field is above where the cover begins where this share of what is covered has less.
+    pub fn excess(&self, share: f64) -> f64 {
+        let place = 1.0 - self.covered() * (1.0 - share);
+        (self.tile.quantile(place) - f64::from(self.uniform.begin)).max(0.0)
+    }
+
+    /// Heights of the upper and the lower side above and below the rims, m, where the field is `excess` above where the cover
+    /// begins: `layer_heights` of `shaders/lib/layer.wgsl`, of the sheet or the heaps.
+    pub fn heights(&self, excess: f64) -> [f64; 2] {
+        let LayerUniform { top, bottom, rise, sheet, flat, round, .. } = self.uniform;
+        let round = f64::from(round);
+        let shares = |rise: f32| {
+            let fill = (excess / f64::from(rise)).clamp(0.0, 1.0);
+            let g = (fill * (fill + 2.0 * round)).sqrt();
+            [g / (1.0 + 2.0 * round).sqrt(), g / (g * g + 2.0).sqrt() / lower(round)]
+        };
+        let (heaps, sheet) = (shares(rise), shares(sheet));
+        std::array::from_fn(|side| {
+            f64::from([top, bottom][side]) * heaps[side].max(f64::from(flat) * sheet[side])
+        })
     }
 
     /// How far above where the cover begins the field must be for cloud at a height above the rims: the least that

@@ -6,7 +6,7 @@
 //! in the metric of the cells, so that the square repeats along x and z whichever way it is stretched.
 
 use std::f64::consts::TAU;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::{DVec2, dvec2};
 use half::f16;
@@ -16,7 +16,11 @@ use rand_chacha::{
 };
 use rayon::prelude::*;
 
-use crate::{frame::Shared, gpu, scene::Layer};
+use crate::{
+    frame::Shared,
+    gpu,
+    scene::{Cover, Layer},
+};
 
 /// Texels along an edge.
 pub(super) const TEXELS: usize = 1024;
@@ -34,12 +38,26 @@ const TORN: f64 = 0.3;
 const MOST_KNOWN: usize = 8;
 
 /// What a tile is made from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Key {
     seed: u32,
     stretch: f64,
     heading_deg: f64,
     cells: f64,
+    map: Option<Map>,
+}
+
+/// A painted map, and how often heaps repeat themselves along its edge and it along a period.
+#[derive(Debug, Clone)]
+struct Map {
+    cover: Arc<Cover>,
+    repeats: [usize; 2],
+}
+
+impl PartialEq for Map {
+    fn eq(&self, other: &Self) -> bool {
+        self.repeats == other.repeats && (Arc::ptr_eq(&self.cover, &other.cover) || self.cover == other.cover)
+    }
 }
 
 /// A texel: the field from 0 to 1, its slopes along x and z by tile, its deviation within the texel.
@@ -55,6 +73,8 @@ pub(crate) struct Tile {
     peaks: Vec<Vec<f32>>,
     /// Greatest slope, by tile.
     pub steepest: f32,
+    /// Values that equal shares of it are below, from the least to the greatest.
+    quantiles: Vec<f32>,
 }
 
 /// Made from the same, they are the same.
@@ -68,27 +88,37 @@ impl Tile {
     /// That of `layer`; the same for all layers that differ in nothing but size, place and coverage.
     pub fn of(layer: &Layer) -> Shared<Self> {
         static KNOWN: OnceLock<Mutex<Vec<Shared<Tile>>>> = OnceLock::new();
-        let Layer { seed, stretch, heading_deg, cells, .. } = *layer;
-        let key = Key { seed, stretch, heading_deg, cells };
+        let &Layer { seed, stretch, heading_deg, cells, .. } = layer;
+        let map = layer
+            .map
+            .as_ref()
+            .and_then(|map| Some(Map { cover: map.cover()?.clone(), repeats: map.repeats(layer.scale) }));
+        let heaps = map.is_some().then(|| Self::of(&Layer { map: None, ..layer.clone() }));
+        let key = Key { seed, stretch, heading_deg, cells, map };
         let known = KNOWN.get_or_init(Default::default);
         let mut known = known.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(tile) = known.iter().find(|tile| tile.key == key) {
             return tile.clone();
         }
-        let tile = Shared::new(Self::new(key));
+        let tile = Shared::new(Self::new(key, heaps.as_deref()));
         known.truncate(MOST_KNOWN - 1);
         known.insert(0, tile.clone());
         tile
     }
 
-    fn new(key: Key) -> Self {
-        let ranks = ranks(&mixture(key));
+    /// With a map, of the field of `heaps` without it.
+    fn new(key: Key, heaps: Option<&Self>) -> Self {
+        let ranks = match (&key.map, heaps) {
+            (Some(map), Some(heaps)) => painted(&heaps.levels[0], map),
+            _ => ranks(&mixture(&key)),
+        };
+        let quantiles = quantiles(&ranks);
         let finest: Vec<Texel> = (0..ranks.len()).map(|i| with_slopes(&ranks, i)).collect();
         let steepest = finest.iter().map(|t| t[1].hypot(t[2])).fold(0.0, f32::max);
         let levels: Vec<_> = std::iter::successors(Some(finest), |level| coarser(level)).collect();
         let first = wider(&ranks, TEXELS);
         let peaks = std::iter::successors(Some(first), |level| higher(level)).collect();
-        Self { key, levels, peaks, steepest }
+        Self { key, levels, peaks, steepest, quantiles }
     }
 
     /// The greatest value of the field in a square of texels of mip `mip`, which repeat.
@@ -96,6 +126,24 @@ impl Tile {
         let mip = mip.min(self.peaks.len() - 1);
         let size = (TEXELS >> mip) as i64;
         self.peaks[mip][(z.rem_euclid(size) * size + x.rem_euclid(size)) as usize]
+    }
+
+    /// The value that this share of it is below.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let place = share.clamp(0.0, 1.0) * (self.quantiles.len() - 1) as f64;
+        let first = (place as usize).min(self.quantiles.len() - 2);
+        let [low, high] = [0, 1].map(|i| f64::from(self.quantiles[first + i]));
+        low + (high - low) * (place - first as f64)
+    }
+
+    /// The share of it that is above a value.
+    pub fn above(&self, value: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if self.quantile(middle) > value { high = middle } else { low = middle }
+        }
+        1.0 - high
     }
 
     /// Uploads the field with its mips, and its peaks by square.
@@ -173,7 +221,7 @@ struct Metric {
 }
 
 impl Metric {
-    fn new(key: Key) -> Self {
+    fn new(key: &Key) -> Self {
         let angle = key.heading_deg.to_radians();
         Self { along: dvec2(angle.sin(), -angle.cos()), stretch: key.stretch }
     }
@@ -194,7 +242,7 @@ impl Metric {
 }
 
 /// The mixture of cells and a Gaussian field.
-fn mixture(key: Key) -> Vec<f64> {
+fn mixture(key: &Key) -> Vec<f64> {
     let metric = Metric::new(key);
     let mut random = Random(ChaCha8Rng::seed_from_u64(u64::from(key.seed)));
     // Waves shorter than the scale fall off, longer ones are rare.
@@ -326,6 +374,37 @@ fn ranks(values: &[f64]) -> Vec<f32> {
     ranks
 }
 
+/// A field that is above 1 - c on the share c that is painted. Ranks of heaps are by a power of theirs, so that on the whole
+/// just the mean of the map is covered, whatever heaps lie where.
+fn painted(heaps: &[Texel], map: &Map) -> Vec<f32> {
+    let [along, maps] = map.repeats;
+    let cover = map.cover.squares(TEXELS);
+    // Its middle is at a corner of the period.
+    let place = |x: usize, times: usize, from: usize| (x * times + from) % TEXELS;
+    let at = |i: usize, times: usize, from: usize| {
+        place(i / TEXELS, times, from) * TEXELS + place(i % TEXELS, times, from)
+    };
+    let pairs: Vec<(f32, f32)> =
+        (0..TEXELS * TEXELS).map(|i| (heaps[at(i, along, 0)][0], cover[at(i, maps, TEXELS / 2)])).collect();
+    // A texel is covered where the power is below this.
+    let mut powers: Vec<f32> = pairs.iter().map(|(rank, cover)| (1.0 - cover).ln() / rank.ln()).collect();
+    let mean = pairs.iter().map(|&(_, cover)| f64::from(cover)).sum::<f64>() / powers.len() as f64;
+    let clear = (((1.0 - mean) * powers.len() as f64).round() as usize).min(powers.len() - 1);
+    let (lower, &mut most, _) = powers.select_nth_unstable_by(clear, f32::total_cmp);
+    let least = lower.iter().copied().fold(0.0, f32::max);
+    // As it is, where that will do: where all is white or black.
+    let power = 1_f32.max(least).min(most);
+    pairs.into_iter().map(|(rank, cover)| rank.powf(power) - (1.0 - cover)).collect()
+}
+
+/// Values that equal shares of a field are below.
+fn quantiles(values: &[f32]) -> Vec<f32> {
+    const PARTS: usize = 256;
+    let mut sorted = values.to_vec();
+    sorted.par_sort_unstable_by(f32::total_cmp);
+    (0..=PARTS).map(|i| sorted[(i * (sorted.len() - 1)) / PARTS]).collect()
+}
+
 /// A texel of the finest level.
 fn with_slopes(ranks: &[f32], i: usize) -> Texel {
     let (x, z) = (i % TEXELS, i / TEXELS);
@@ -374,6 +453,7 @@ fn wider(values: &[f32], size: usize) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::CoverMap;
 
     #[test]
     fn the_field_is_above_a_level_on_the_share_that_the_level_leaves() {
@@ -382,6 +462,25 @@ mod tests {
             let above = tile.levels[0].iter().filter(|texel| texel[0] > 1.0 - coverage).count();
             let share = above as f32 / (TEXELS * TEXELS) as f32;
             assert!((share - coverage).abs() < 1e-5, "{share} of {coverage}");
+        }
+    }
+
+    #[test]
+    fn a_painted_field_covers_the_mean_of_its_map() {
+        // Black, white, a ramp, and a map that is as small as a heap.
+        let ramp = (0..64 * 64).map(|i| (i % 64) as f32 / 63.0).collect();
+        let halves = (0..4).map(|i| (i % 2) as f32).collect();
+        for (width, values, size) in
+            [(2, halves, 3e4), (64, ramp, 2e4), (1, vec![0.3], 1e3), (1, vec![1.0], 1e4)]
+        {
+            let cover = Cover::new(width, values).unwrap();
+            let mean = cover.mean();
+            let map = CoverMap { size, ..CoverMap::default() }.with_cover(cover);
+            let tile = Tile::of(&Layer { coverage: 1.0, map: Some(map), ..Layer::default() });
+            let above = tile.levels[0].iter().filter(|texel| texel[0] > 0.0).count();
+            let share = above as f64 / (TEXELS * TEXELS) as f64;
+            assert!((share - mean).abs() < 1e-3, "{share} of {mean}");
+            assert!((tile.above(0.0) - mean).abs() < 5e-3, "{} of {mean}", tile.above(0.0));
         }
     }
 

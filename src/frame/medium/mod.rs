@@ -21,7 +21,7 @@ use std::hash::{DefaultHasher, Hasher};
 use glam::DVec3;
 
 pub(crate) use atlas::VolumeTextures;
-pub(crate) use body::BodyUniform;
+pub(crate) use body::{BodyUniform, smooth_rise};
 pub(crate) use bricks::Bricks as VolumeBricks;
 #[cfg(test)]
 pub(crate) use bricks::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};

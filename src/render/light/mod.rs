@@ -1,6 +1,7 @@
 //! What the cloud receives: models of the light inside clouds, and what they read, which is prepared
 //! in each cloud's own frame and redone only when the sun, the shape or the noise changed.
 
+mod between;
 mod boxes;
 mod bricks;
 mod field;
@@ -18,6 +19,8 @@ mod slab_tables;
 mod store;
 mod sun;
 
+#[cfg(test)]
+pub(crate) use between::BetweenUniform;
 pub use boxes::LightBox;
 #[cfg(test)]
 pub(crate) use bricks::BRICK;

@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 use wgpu::{BindGroup, TextureView};
 
 use super::{
+    between::Between,
     boxes::LightBox,
     field::{Eyes, Field, FieldKey, FieldPass, SolvedLight},
     inputs::Inputs,
@@ -32,12 +33,20 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    /// Light for `cloud` in the shadow of others.
-    pub fn new(inputs: &Inputs<'_>, cloud: &CloudFrame, shades: Vec<Shade>, detail: Detail) -> Self {
+    /// Light for `cloud` in the shadow of others, and between layers.
+    pub fn new(
+        inputs: &Inputs<'_>,
+        cloud: &CloudFrame,
+        shades: Vec<Shade>,
+        between: Option<Between>,
+        detail: Detail,
+    ) -> Self {
         let medium = &cloud.medium;
         let sky_resolution = (detail.resolution / 4).clamp(8, 32);
         let flash = cloud.flash(inputs.by).unwrap_or(Vec4::ZERO);
-        let field = |cells| FieldKey { medium: medium.clone(), cells, flash };
+        // Light from within it has none of theirs.
+        let between = between.filter(|_| flash.w == 0.0);
+        let field = |cells, between| FieldKey { medium: medium.clone(), cells, flash, between };
         let needs = inputs.needs;
         Self {
             sun: needs.sun.then(|| SunKey {
@@ -48,9 +57,10 @@ impl Wanted {
             }),
             openness: (needs.openness(inputs.lit_by_sky))
                 .then(|| BoxKey::new(medium, Vec3::NEG_Y, sky_resolution)),
-            field: needs.field.then(|| field(detail.cells)),
-            sky_field: (needs.field && inputs.lit_by_sky)
-                .then(|| (field((detail.cells / 2).max(8)), inputs.sky.settings())),
+            field: needs.field.then(|| field(detail.cells, between)),
+            sky_field: (needs.field && inputs.lit_by_sky).then(|| {
+                (field((detail.cells / 2).max(8), between.map(Between::of_sky)), inputs.sky.settings())
+            }),
         }
     }
 

@@ -4,6 +4,7 @@
 use std::collections::{HashMap, VecDeque};
 
 use super::{
+    between::Strata,
     field::eye_of,
     inputs::Inputs,
     moment::Moment,
@@ -193,6 +194,7 @@ impl LightStore {
             (asked.presence[index] != Presence::Seen, known[index].as_ref().map(|kept| kept.made))
         });
         self.lights.resize_with(frame.clouds.len(), || None);
+        let mut strata = None;
         let (mut left, mut recorded) = (most, 0);
         for index in order {
             let cloud = &frame.clouds[index];
@@ -203,7 +205,11 @@ impl LightStore {
                 continue;
             }
             let wanted = match (asked.details[index], shading.of(index)) {
-                (Some(detail), _) => Wanted::new(inputs, cloud, shading.shades(index), detail),
+                (Some(detail), _) => {
+                    let strata = strata.get_or_insert_with(|| Strata::of(&frame.clouds, inputs.to_sun.y));
+                    let between = strata.around(index, cloud).filter(|_| inputs.needs.field);
+                    Wanted::new(inputs, cloud, shading.shades(index), between, detail)
+                }
                 (None, Some(of)) => {
                     let has = |kept: &Kept| kept.light.volume_in(of).is_some() && kept.light.bytes() <= spare;
                     if before.as_ref().is_some_and(has) {

@@ -31,6 +31,8 @@ pub struct SunMapUniform {
     pub(crate) reach: f32,
     pub(crate) place: [Vec4; SQUARES],
     pub(crate) planes: [Vec4; SQUARES * LAYERS],
+    pub(crate) endless: f32,
+    padding: [f32; 3],
 }
 
 impl SunMapUniform {
@@ -50,6 +52,8 @@ pub(super) const NONE: SunMapUniform = SunMapUniform {
     reach: 0.0,
     place: [Vec4::ZERO; SQUARES],
     planes: [Vec4::ZERO; SQUARES * LAYERS],
+    endless: 0.0,
+    padding: [0.0; 3],
 };
 
 /// A square across the beam, m in the world.
@@ -100,8 +104,8 @@ impl Layout {
         Some(Self { axes, squares, texels })
     }
 
-    /// The same as the shader takes it, seen from `eye`.
-    pub fn uniform(&self, eye: DVec3, sun_radius: f32, reach: f64) -> SunMapUniform {
+    /// The same as the shader takes it, seen from `eye`; `endless` where something that casts a shadow has no end.
+    pub fn uniform(&self, eye: DVec3, sun_radius: f32, reach: f64, endless: bool) -> SunMapUniform {
         let [across, aside, along] = self.axes;
         let [u, v] = [across, aside].map(|axis| eye.dot(axis));
         let s = -eye.y;
@@ -112,6 +116,7 @@ impl Layout {
             sun_radius,
             along: along.as_vec3(),
             reach: reach as f32,
+            endless: f32::from(u8::from(endless)),
             ..NONE
         };
         for (i, square) in self.squares.iter().enumerate() {

@@ -56,7 +56,8 @@ impl Map {
     ) -> Option<bool> {
         let ShadowInputs { device, frame, .. } = *inputs;
         let layout = Layout::new(casters, frame.sun.to_sun, frame.camera_position, texels)?;
-        let uniform = layout.uniform(frame.camera_position, frame.sun.radius, reach);
+        let endless = casters.iter().any(Caster::is_endless);
+        let uniform = layout.uniform(frame.camera_position, frame.sun.radius, reach, endless);
         inputs.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         let is_made = self.made.as_ref().is_some_and(|made| made.layout == layout && made.casters == casters);
         if !is_made {

@@ -99,9 +99,14 @@ impl Object {
                 let old = &mut scene.clouds[i];
                 let grows_otherwise = old.growth != shell.growth;
                 let (ellipsoids, volume) = (std::mem::take(&mut old.ellipsoids), old.volume.take());
+                let map = old.layer.take().and_then(|layer| layer.map);
                 *old = Cloud { ellipsoids, ..*shell };
                 if let (Some(new), Some(old)) = (&mut old.volume, &volume) {
                     new.take_grid_of(old);
+                }
+                let new = old.layer.as_mut().and_then(|layer| layer.map.as_mut());
+                if let (Some(new), Some(old)) = (new, &map) {
+                    new.take_cover_of(old);
                 }
                 if grows_otherwise {
                     old.grow();

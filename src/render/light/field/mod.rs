@@ -25,7 +25,7 @@ use std::collections::HashMap;
 use glam::Vec4;
 use wgpu::TextureView;
 
-use super::{bricks::Bricks, inputs::Inputs, sun::BoxKey};
+use super::{between::Between, bricks::Bricks, inputs::Inputs, sun::BoxKey};
 use crate::{
     frame::{
         Shared, SkySettings,
@@ -37,7 +37,8 @@ use crate::{
 pub(super) use levels::FieldBox;
 pub use levels::FieldUniform;
 use levels::scratch;
-use quadrature::{DIRECTIONS, directions};
+use quadrature::directions;
+pub(super) use quadrature::{DIRECTIONS, levels};
 use solver::Solver;
 pub(super) use view::{Eyes, SolvedLight, eye_of};
 
@@ -48,6 +49,8 @@ pub(super) struct FieldKey {
     pub cells: u32,
     /// The ball that shines in it, in place of the sun: its centre and radius, m; a radius of 0 for none.
     pub flash: Vec4,
+    /// What layers make of the light that comes to it.
+    pub between: Option<Between>,
 }
 
 /// The light of a cloud, on grids in one box.
@@ -62,6 +65,8 @@ pub(super) struct Field {
 /// The programs.
 pub(super) struct FieldPass {
     entering: [ComputeProgram; 2],
+    /// Light between layers; compiled when first needed.
+    between: Option<ComputeProgram>,
     /// By medium.
     media: HashMap<MediumKind, ComputeProgram>,
     /// Of light from outside, and from a ball within.
@@ -102,6 +107,7 @@ impl FieldPass {
         let flag = |on: bool| f64::from(u8::from(on));
         Self {
             entering: [false, true].map(|air| program("moments_entering", &[("ATMOSPHERE", flag(air))])),
+            between: None,
             media: HashMap::new(),
             sweep: [false, true].map(|flash| program("moments_sweep", &[("FLASH", flag(flash))])),
             scatter: program("moments_scatter", &[]),
@@ -158,7 +164,7 @@ impl FieldPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         media: &Media,
-        FieldKey { medium, flash, .. }: &FieldKey,
+        FieldKey { medium, flash, between, .. }: &FieldKey,
         most: u32,
         (sun, sun_volume): (&BoxKey, &TextureView),
         lights: Lights,
@@ -177,12 +183,21 @@ impl FieldPass {
         let enters = lights == Lights::Sky && entered.is_none();
         let entering = entered.unwrap_or_else(|| {
             // Of a ball within all of its light counts, and none comes from outside.
-            let share = vec![if flash.w > 0.0 { 1.0f32 } else { 0.0 }; 3 * DIRECTIONS];
-            gpu::storage_buffer(device, "entering light", &share)
+            let all = if flash.w > 0.0 { 1.0 } else { 0.0 };
+            let of_layers = between.as_ref().filter(|_| lights == Lights::Sun).map(Between::sunlight);
+            gpu::storage_buffer(device, "entering light", &of_layers.unwrap_or(vec![all; 3 * DIRECTIONS]))
         });
         if enters {
             self.sky = inputs.sky.settings().map(|settings| (settings, entering.clone()));
         }
+        let between = between.as_ref().filter(|_| lights == Lights::Sky).map(|between| {
+            self.between.get_or_insert_with(|| ComputeProgram::new(device, "moments_between", &[]));
+            let dark = vec![0.0f32; 3 * DIRECTIONS];
+            (
+                gpu::uniform_buffer(device, "between layers", &between.uniform),
+                gpu::storage_buffer(device, "entering light between layers", &dark),
+            )
+        });
         let solver = Solver {
             pass: self,
             inputs,
@@ -200,6 +215,7 @@ impl FieldPass {
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &directions()),
             enters,
+            between,
             entering,
             none: gpu::storage_buffer(device, "no entering light", &none),
         };

@@ -11,7 +11,7 @@ const PLACES: usize = 8;
 pub const DIRECTIONS: usize = LEVELS * PLACES;
 
 /// Levels of height, from the top, with their weights, which add up to 2: Gauss and Legendre's.
-fn levels() -> Vec<(f64, f64)> {
+pub fn levels() -> Vec<(f64, f64)> {
     let rule = Quadrature::new(LEVELS);
     rule.mu.iter().zip(&rule.weight).map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect()
 }

@@ -58,6 +58,8 @@ pub(super) struct Solver<'a> {
     pub directions: wgpu::Buffer,
     /// Whether what of the sky comes in is yet to be found.
     pub enters: bool,
+    /// What layers make of that, and the buffer that it goes to.
+    pub between: Option<(wgpu::Buffer, wgpu::Buffer)>,
     /// Radiance that comes in, and none.
     pub entering: wgpu::Buffer,
     pub none: wgpu::Buffer,
@@ -82,6 +84,7 @@ impl Solver<'_> {
         if self.enters {
             self.enter(pass);
         }
+        self.go_between(pass);
         let repeats = self.repeats();
         let mut stages: Vec<Stage> = Vec::new();
         for size in sizes(most, if repeats > 1 { 4 } else { 8 }) {
@@ -162,7 +165,8 @@ impl Solver<'_> {
             let resources: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_entire_binding())).collect();
             program.bind(device, &resources)
         };
-        let sweep = [&self.entering, &self.none].map(|entering| {
+        let entering = self.between.as_ref().map_or(&self.entering, |(_, entering)| entering);
+        let sweep = [entering, &self.none].map(|entering| {
             let buffers = [&level.buffer, &level.cells, &self.directions, entering, source, radiance];
             bind(self.sweep_program(), &buffers)
         });
@@ -221,6 +225,14 @@ impl Solver<'_> {
         resources.extend([&patches, &self.entering].map(|buffer| Some(buffer.as_entire_binding())));
         let group = program.bind(self.inputs.device, &resources);
         program.record(pass, &[&group], [DIRECTIONS as u32, 1, 1]);
+    }
+
+    /// Finds what of it comes to a cloud between layers.
+    fn go_between(&self, pass: &mut Pass<'_>) {
+        let (Some(program), Some((between, result))) = (&self.pass.between, &self.between) else { return };
+        let buffers = [between, &self.entering, result].map(|buffer| Some(buffer.as_entire_binding()));
+        let group = program.bind(self.inputs.device, &buffers);
+        program.record_over(pass, &[&group], [DIRECTIONS as u32, self.lights.count(), 1]);
     }
 
     fn uniform(&self, most: u32) -> FieldUniform {
