@@ -300,8 +300,8 @@ fn no_bright_line_parts_a_closed_deck_from_the_ground() {
     scene.camera = Some(Camera {
         position: eye,
         target: eye - 1000.0 * DVec3::Z,
-        roll_deg: 0.0,
         projection: Projection::Perspective { vertical_fov_deg: 5.0 },
+        ..Camera::default()
     });
     // Rows of a twentieth of a degree, the horizon between the middle ones.
     let picture = draw(&mut renderer(Quality::DRAFT, Transport::MOMENTS), &scene, [8, 100], true);
