@@ -128,7 +128,7 @@ impl CameraUniform {
 
     /// Where a point is seen that is at `p` from the camera, m: x to the right and y up, both from -1 to 1 in the picture.
     /// None of what is behind a perspective camera. The inverse of [`CameraUniform::ray`].
-    pub(crate) fn place_of(&self, p: DVec3) -> Option<DVec2> {
+    pub fn place_of(&self, p: DVec3) -> Option<DVec2> {
         let [right, up, forward, axis] = [self.right, self.up, self.forward, self.axis].map(Vec3::as_dvec3);
         let along =
             |v: DVec3| DVec2::new(v.dot(right) / right.length_squared(), v.dot(up) / up.length_squared());
