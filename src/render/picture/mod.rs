@@ -150,11 +150,7 @@ impl Renderer {
         frame: &Frame,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Layers> {
-        let mut encoder = self.encoder();
-        let flush: Flush<'_> = &mut |encoder| submit(gpu, encoder);
-        let (layers, pieces) = self.begin_apart(&mut encoder, frame, Apart::Light, flush);
-        self.draw_all(gpu, encoder, pieces, progress)?;
-        Ok(layers)
+        self.draw_apart(gpu, frame, Apart::Light, progress)
     }
 
     /// The same with a matte of each cloud, [`Layers::mattes`].
@@ -167,9 +163,19 @@ impl Renderer {
         frame: &Frame,
         progress: &mut dyn FnMut(f64),
     ) -> Result<Layers> {
+        self.draw_apart(gpu, frame, Apart::Clouds, progress)
+    }
+
+    fn draw_apart(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame,
+        apart: Apart,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Layers> {
         let mut encoder = self.encoder();
         let flush: Flush<'_> = &mut |encoder| submit(gpu, encoder);
-        let (layers, pieces) = self.begin_apart(&mut encoder, frame, Apart::Clouds, flush);
+        let (layers, pieces) = self.begin_apart(&mut encoder, frame, apart, flush);
         self.draw_all(gpu, encoder, pieces, progress)?;
         Ok(layers)
     }

@@ -1,8 +1,12 @@
 //! How pictures are drawn and written: what `nephos render` and `nephos sequence` share.
 
-use std::{path::Path, sync::LazyLock};
+mod checks;
+mod layers;
+mod names;
 
-use clap::{Args, ValueEnum, builder::PossibleValue};
+use std::path::Path;
+
+use clap::Args;
 
 use super::{
     color::ColorOptions,
@@ -12,15 +16,14 @@ use super::{
 };
 use crate::{
     Error, Result,
-    export::{self, Header, LayerKind, Layered, Notes, Picture, Shutter},
+    export::{self, Header, LayerKind, Notes, Picture, Shutter},
     gpu::{Gpu, Timing},
     reference::Estimate,
-    render::{Blur, Film, Frame, Quality, Renderer, Transport},
+    render::{Film, Frame, Quality, Renderer, Transport},
     scene::{Movement, Scene},
 };
-
-/// Pictures that a blurred one is the mean of, where nobody says how many.
-const SAMPLES: u32 = 16;
+use names::TransportName;
+pub(super) use names::{Format, QualityName, word};
 
 /// What a picture is like.
 #[derive(Debug, Clone, Args)]
@@ -58,7 +61,7 @@ pub struct PictureOptions {
     /// `=`, such as --layers=light,depth,motion.
     #[arg(long, value_name = "LIST", value_enum, num_args = 0..=1, require_equals = true, value_delimiter = ',',
         default_missing_values = ["light", "distance", "normal"])]
-    pub(super) layers: Option<Vec<LayerName>>,
+    pub(super) layers: Option<Vec<LayerKind>>,
     /// Motion blur: the share of a frame for which the shutter is open, 0.5 being half of it; the frame's time is in the
     /// middle.
     #[arg(long, value_name = "SHARE", value_parser = share)]
@@ -77,81 +80,6 @@ pub struct PictureOptions {
     /// Part of the name of the adapter to use; `nephos info` lists them.
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum QualityName {
-    Draft,
-    Preview,
-    Final,
-}
-
-impl QualityName {
-    pub(super) fn quality(self) -> Quality {
-        match self {
-            Self::Draft => Quality::DRAFT,
-            Self::Preview => Quality::PREVIEW,
-            Self::Final => Quality::FINAL,
-        }
-    }
-}
-
-/// A kind of layers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum LayerName {
-    /// What the beauty is the sum of, and the light of clouds by what it comes from
-    Light,
-    /// depth.Z: distance from the eye, metres
-    Distance,
-    /// Which way the cloud faces
-    Normal,
-    /// planar.Z: distance along the camera's axis, metres
-    Depth,
-    /// Where in the world what is seen is, metres
-    Position,
-    /// How far it goes until the next frame, pixels right and up
-    Motion,
-    /// Cryptomatte: which clouds there are, and how much each one hides
-    Clouds,
-}
-
-impl LayerName {
-    fn kind(self) -> LayerKind {
-        match self {
-            Self::Light => LayerKind::Light,
-            Self::Distance => LayerKind::Distance,
-            Self::Normal => LayerKind::Normal,
-            Self::Depth => LayerKind::Depth,
-            Self::Position => LayerKind::Position,
-            Self::Motion => LayerKind::Motion,
-            Self::Clouds => LayerKind::Clouds,
-        }
-    }
-}
-
-/// A model of light, or none for the path tracer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct TransportName(Option<Transport>);
-
-impl ValueEnum for TransportName {
-    fn value_variants<'a>() -> &'a [Self] {
-        static ALL: LazyLock<Vec<TransportName>> =
-            LazyLock::new(|| Transport::all().map(Some).chain([None]).map(TransportName).collect());
-        &ALL
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self.0 {
-            Some(transport) => PossibleValue::new(transport.name()).help(transport.about()),
-            None => PossibleValue::new("path")
-                .help("Truth by Monte Carlo: slow, without bias, with noise that --spp lowers"),
-        })
-    }
-}
-
-/// A value as the command line writes it.
-pub(super) fn word(value: impl ValueEnum) -> String {
-    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// What draws: it outlives pictures, and what one leaves the next need not do again.
@@ -198,113 +126,6 @@ impl Painter {
 }
 
 impl PictureOptions {
-    /// Whether such a picture can be drawn into a file of this format.
-    ///
-    /// # Errors
-    /// Where words do not go together.
-    pub fn check(&self, format: Format) -> Result<()> {
-        if self.layers.is_some() && format != Format::Exr {
-            return Err(Error::Argument("--layers needs an output that ends in .exr".to_owned()));
-        }
-        match format {
-            Format::Exr => self.tone.refuse_for("EXR")?,
-            Format::Png => self.color.refuse_for("PNG")?,
-        }
-        self.check_transport()?;
-        self.check_blur()?;
-        self.check_rays()
-    }
-
-    /// No word may be without effect where light is found in this way.
-    fn check_transport(&self) -> Result<()> {
-        let refuse = |problem: String| Err(Error::Argument(problem));
-        let of_paths = [
-            self.spp.map(|spp| format!("--spp {spp}")),
-            self.noise.map(|noise| format!("--noise {noise}")),
-            self.seconds.map(|seconds| format!("--seconds {seconds}")),
-        ];
-        let of_others = [
-            self.layers.is_some().then(|| "--layers".to_owned()),
-            self.quality.map(|quality| format!("--quality {}", word(quality))),
-            self.supersample.map(|rays| format!("--supersample {rays}")),
-            self.exact.then(|| "--exact".to_owned()),
-            self.shutter.map(|share| format!("--shutter {share}")),
-            self.samples.map(|samples| format!("--samples {samples}")),
-        ];
-        let first = |words: &[Option<String>]| words.iter().flatten().next().cloned();
-        match (first(&of_paths), first(&of_others)) {
-            (Some(given), _) if !self.traces_paths() => {
-                refuse(format!("{given} is for --transport path: add that or leave it out"))
-            }
-            (_, Some(given)) if self.traces_paths() => refuse(format!(
-                "{given} and --transport path don't go together: leave one out; how well paths are traced is \
-                 told by --spp, --noise or --seconds"
-            )),
-            _ => Ok(()),
-        }
-    }
-
-    /// Layers are of one moment.
-    fn check_blur(&self) -> Result<()> {
-        let given = [
-            self.shutter.map(|share| format!("--shutter {share}")),
-            self.samples.map(|samples| format!("--samples {samples}")),
-        ];
-        match given.into_iter().flatten().next() {
-            Some(word) if self.layers.is_some() => Err(Error::Argument(format!(
-                "{word} and --layers don't go together, for depths and names have no mean: leave one out; with \
-                 --layers=light,motion a compositor blurs"
-            ))),
-            _ => Ok(()),
-        }
-    }
-
-    /// How a picture of `scene`, at `fps` frames a second, is blurred; not at all where it is of a pinhole and a moment.
-    ///
-    /// # Errors
-    /// Where samples are asked for and there is nothing to blur.
-    fn blur(&self, scene: &Scene, fps: f64) -> Result<Option<Blur>> {
-        let has_aperture = scene.camera.as_ref().is_some_and(|camera| camera.aperture.is_some());
-        let samples = self.samples.unwrap_or(SAMPLES);
-        match (self.shutter, has_aperture && !self.traces_paths() && self.layers.is_none()) {
-            (None, false) if self.samples.is_some_and(|samples| samples > 1) => {
-                Err(Error::Argument(format!(
-                    "--samples {samples} average nothing: add --shutter 0.5 for motion blur, or give the camera an `aperture`"
-                )))
-            }
-            (None, false) => Ok(None),
-            _ if samples == 1 => Ok(None),
-            (share, _) => Ok(Some(Blur { samples, open: share.unwrap_or(0.0) / fps })),
-        }
-    }
-
-    /// The moments that a picture of `scene` shows beside its own, s.
-    ///
-    /// # Errors
-    /// As [`PictureOptions::blur`].
-    pub fn moments(&self, scene: &Scene, fps: f64) -> Result<Vec<f64>> {
-        let blur = self.blur(scene, fps)?.filter(|blur| blur.open > 0.0);
-        Ok(blur.map(|blur| blur.moments(scene).collect()).unwrap_or_default())
-    }
-
-    /// As many rays as were asked for must go into one texture.
-    fn check_rays(&self) -> Result<()> {
-        let size = [self.width, self.height];
-        match self.supersample {
-            Some(rays) if rays > Film::most_rays(size) => Err(Error::Argument(format!(
-                "--supersample {rays} of {}x{} pixels makes {} rays across, and {} is the most: give \
-                 --supersample {}, or a picture of at most {} pixels across",
-                self.width,
-                self.height,
-                rays * self.width.max(self.height),
-                Film::WIDEST,
-                Film::most_rays(size),
-                Film::WIDEST / rays
-            ))),
-            _ => Ok(()),
-        }
-    }
-
     /// What files of such pictures tell, as far as it is the same for all.
     pub fn notes(&self) -> Notes {
         self.color.notes()
@@ -362,8 +183,8 @@ impl PictureOptions {
     ) -> Result<Option<Estimate>> {
         let unwritten =
             |error| stopped(error, || format!("nothing was written to `{}`", job.output.display()));
-        if let Some(kinds) = self.layer_kinds() {
-            return self.draw_layers(painter, job, &kinds, progress).map_err(unwritten).map(|()| None);
+        if let Some(kinds) = &self.layers {
+            return self.draw_layers(painter, job, kinds, progress).map_err(unwritten).map(|()| None);
         }
         let drawn = self.draw(painter, job, progress).map_err(unwritten)?;
         self.write(painter, job, &drawn).map_err(unwritten)?;
@@ -371,62 +192,6 @@ impl PictureOptions {
             Some(estimate) if drawn.stopped => Err(Error::Stopped { kept: kept(job.output, &estimate) }),
             estimate => Ok(estimate),
         }
-    }
-
-    /// The kinds of layers that are wanted.
-    fn layer_kinds(&self) -> Option<Vec<LayerKind>> {
-        self.layers.as_ref().map(|names| names.iter().map(|name| name.kind()).collect())
-    }
-
-    /// Whether what is drawn of a moment depends on what comes after it.
-    pub fn sees_motion(&self) -> bool {
-        self.layer_kinds().is_some_and(|kinds| kinds.contains(&LayerKind::Motion))
-    }
-
-    fn draw_layers(
-        &self,
-        painter: &mut Painter,
-        job: &Job<'_>,
-        kinds: &[LayerKind],
-        progress: &mut dyn FnMut(f64),
-    ) -> Result<()> {
-        let Painter { gpu, renderer } = painter;
-        let next = job.next.as_ref().filter(|_| kinds.contains(&LayerKind::Motion));
-        let go_apart = next.is_some_and(|(_, movement)| movement.of_all().is_none());
-        let layers = if go_apart || kinds.contains(&LayerKind::Clouds) {
-            renderer.render_layers_and_mattes(gpu, &job.frame, progress)?
-        } else {
-            renderer.render_layers(gpu, &job.frame, progress)?
-        };
-        let moment = job.scene.at(job.scene.time)?;
-        let names: Vec<_> = moment.clouds.iter().enumerate().map(|(i, cloud)| cloud.label(i)).collect();
-        let of = Layered {
-            layers: &layers,
-            frame: &job.frame,
-            next: next.map(|(frame, movement)| (frame, movement)),
-            names: &names,
-            reduce: self.film().rays() as usize,
-        };
-        export::write_layers_of(job.output, gpu, of, kinds, self.transparent, &self.noted(job))
-    }
-
-    /// What is seen `span` seconds after the scene's own time, through the camera of `later`, and how far clouds go until
-    /// then; where that is asked for.
-    ///
-    /// # Errors
-    /// Where the scene is not good then.
-    pub fn next(
-        &self,
-        scene: &Scene,
-        frame: &Frame,
-        later: &Scene,
-        span: f64,
-    ) -> Result<Option<(Frame, Movement)>> {
-        if !self.sees_motion() {
-            return Ok(None);
-        }
-        let camera = later.at(later.time)?.camera();
-        Ok(Some((frame.seen_by(&camera, frame.size())?, scene.movement(scene.time, span)?)))
     }
 
     /// Draws a picture; writes nothing but what a path traced one keeps on the way.
@@ -542,26 +307,6 @@ fn kept(output: &Path, estimate: &Estimate) -> String {
     match Format::of(output) {
         Ok(Format::Exr) => so_far + "; the same command with --resume goes on",
         _ => so_far,
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
-    Png,
-    Exr,
-}
-
-impl Format {
-    pub(super) fn of(path: &Path) -> Result<Self> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-        match extension.as_str() {
-            "png" => Ok(Self::Png),
-            "exr" => Ok(Self::Exr),
-            _ => Err(Error::Argument(format!(
-                "`{}` ends in neither .png nor .exr: name one of these, the ending says what is written",
-                path.display()
-            ))),
-        }
     }
 }
 
