@@ -127,7 +127,7 @@ impl CameraUniform {
     }
 
     /// Where a point is seen that is at `p` from the camera, m: x to the right and y up, both from -1 to 1 in the picture.
-    /// None of what is behind a perspective camera. The inverse of [`CameraUniform::ray`].
+    /// None of what is behind a perspective camera. The inverse of the ray through a pixel.
     pub fn place_of(&self, p: DVec3) -> Option<DVec2> {
         let [right, up, forward, axis] = [self.right, self.up, self.forward, self.axis].map(Vec3::as_dvec3);
         let along =
