@@ -52,12 +52,12 @@ pub struct Camera {
     /// Shifts the lens to the right, as a share of the picture's width, -10 to 10: what is farther right is in the
     /// picture, and the camera does not turn. Not for equirectangular cameras.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max))]
     pub shift_x: f64,
     /// Shifts the lens upwards, as a share of the picture's width, -10 to 10: verticals of what is high up stay
     /// parallel where the camera is level. Not for equirectangular cameras.
     #[serde(default, skip_serializing_if = "is_zero")]
-    #[schemars(range(min = SHIFT.min, max = SHIFT.max), extend("unit" = SHIFT.unit))]
+    #[schemars(range(min = SHIFT.min, max = SHIFT.max))]
     pub shift_y: f64,
     /// How wide the lens is open: what lies before and behind its focus is blurred, in pictures of several samples. A
     /// pinhole where left out.
