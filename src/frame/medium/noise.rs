@@ -9,10 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DQuat, DVec3, Vec3, Vec4};
 use half::f16;
-use noise::{
-    core::perlin::perlin_3d,
-    permutationtable::{NoiseHasher, PermutationTable},
-};
+use noise::permutationtable::{NoiseHasher, PermutationTable};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{RngCore, SeedableRng},
@@ -188,69 +185,147 @@ fn told(values: Vec<f32>) -> Vec<f32> {
 /// cell of a lattice (Worley 1996).
 fn billows(octave: usize) -> Vec<f32> {
     let cells = CELLS[octave];
-    let mut random = ChaCha8Rng::seed_from_u64(octave as u64);
-    let mut unit = || random.next_u32() as f32 / 2_f32.powi(32);
-    let points: Vec<Vec3> = (0..cells.pow(3)).map(|_| Vec3::new(unit(), unit(), unit())).collect();
-    let step = cells as f32 / SIZE as f32;
-    let near = |cell: [i32; 3], d: [i32; 3]| {
-        let [x, y, z] = [0, 1, 2].map(|i| (cell[i] + d[i]).rem_euclid(cells as i32) as u32);
-        points[((z * cells + y) * cells + x) as usize] + Vec3::from(d.map(|d| d as f32))
-    };
-    let around: Vec<[i32; 3]> = (0..27).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]).collect();
+    let lattice = Points::new(octave as u64, cells);
     // Texels of a cell along x share its neighbours.
     let run = SIZE / cells;
-    let row = |i: u32| {
-        let at = [i % cells * run, i / cells % SIZE, i / (cells * SIZE)];
-        let place = Vec3::from(at.map(|x| (x as f32 + 0.5) * step));
-        let cell = place.floor();
-        let cell_number = cell.as_ivec3().to_array();
-        let neighbours: Vec<Vec3> = around.iter().map(|&d| near(cell_number, d) - (place - cell)).collect();
-        (0..run)
-            .map(move |k| {
-                let offset = Vec3::X * (k as f32 * step);
-                -neighbours.iter().map(|p| (*p - offset).length_squared()).fold(f32::INFINITY, f32::min)
-            })
-            .collect::<Vec<f32>>()
-    };
-    (0..cells * SIZE * SIZE).into_par_iter().flat_map_iter(row).collect()
+    let mut values = vec![0.0; SIZE.pow(3) as usize];
+    values.par_chunks_mut(run as usize).enumerate().for_each(|(i, texels)| {
+        let i = i as u32;
+        lattice.nearest([i % cells * run, i / cells % SIZE, i / (cells * SIZE)], texels);
+        texels.iter_mut().for_each(|square| *square = -*square);
+    });
+    values
 }
 
-/// The permutation table of the crate, on a lattice that repeats.
-struct Periodic {
-    table: PermutationTable,
-    period: isize,
+/// Random points, one in each cell of a lattice that repeats, and a cell more at either end.
+struct Points {
+    cells: u32,
+    /// Within their cells.
+    points: Vec<Vec3>,
+    /// What leads from the first of a cell's neighbours to each, and where it is, those beside the cell first.
+    around: [(usize, Vec3); 27],
 }
 
-impl Periodic {
-    fn new(seed: u32, cells: u32) -> Self {
-        Self { table: PermutationTable::new(seed), period: cells as isize }
+impl Points {
+    fn new(seed: u64, cells: u32) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut unit = || random.next_u32() as f32 / 2_f32.powi(32);
+        let once: Vec<Vec3> = (0..cells.pow(3)).map(|_| Vec3::new(unit(), unit(), unit())).collect();
+        let edge = cells + 2;
+        let point = |i: u32| {
+            let [x, y, z] = [i, i / edge, i / (edge * edge)].map(|i| (i % edge + cells - 1) % cells);
+            once[((z * cells + y) * cells + x) as usize]
+        };
+        let mut around = std::array::from_fn(|i| [i as u32 % 3, i as u32 / 3 % 3, i as u32 / 9]);
+        around.sort_by_key(|[x, y, z]| [x, y, z].into_iter().filter(|&&d| d != 1).count());
+        let around = around.map(|[x, y, z]| {
+            let offset = Vec3::new(x as f32, y as f32, z as f32) - 1.0;
+            (((z * edge + y) * edge + x) as usize, offset)
+        });
+        Self { cells, points: (0..edge.pow(3)).map(point).collect(), around }
     }
-}
 
-impl NoiseHasher for Periodic {
-    fn hash(&self, cell: &[isize]) -> usize {
-        let mut wrapped = [0; 3];
-        for (wrapped, coordinate) in wrapped.iter_mut().zip(cell) {
-            *wrapped = coordinate.rem_euclid(self.period);
+    /// Squares of the distances, in cells, of a row of texels of one cell from the points nearest to them.
+    fn nearest(&self, texel: [u32; 3], row: &mut [f32]) {
+        let (edge, step) = (self.cells + 2, self.cells as f32 / SIZE as f32);
+        let cell = texel.map(|x| x * self.cells / SIZE);
+        let within = Vec3::from([0, 1, 2].map(|i| (texel[i] as f32 + 0.5) * step - cell[i] as f32));
+        let first = ((cell[2] * edge + cell[1]) * edge + cell[0]) as usize;
+        let mut farthest = f32::INFINITY;
+        row.fill(farthest);
+        for (place, offset) in &self.around {
+            let p = self.points[first + place] + offset - within;
+            let (y, z) = (p.y * p.y, p.z * p.z);
+            if y + z >= farthest {
+                continue;
+            }
+            farthest = 0.0;
+            for (k, nearest) in row.iter_mut().enumerate() {
+                let x = p.x - k as f32 * step;
+                let square = x * x + y + z;
+                if square < *nearest {
+                    *nearest = square;
+                }
+                if *nearest > farthest {
+                    farthest = *nearest;
+                }
+            }
         }
-        self.table.hash(&wrapped)
     }
 }
 
-/// Veils: the sheets on which gradient noise (Perlin 1985) goes through zero, curled by noise of their size.
+/// Gradient noise (Perlin 1985, 2002) on a lattice that repeats.
+struct Gradients {
+    cells: i32,
+    gradients: Vec<DVec3>,
+}
+
+/// Gradients are as long as the root of 2: their noise is at most half the root of 3.
+const TO_ONE: f64 = 1.154_700_538_379_251_5;
+
+impl Gradients {
+    fn new(seed: u32, cells: u32) -> Self {
+        let (table, cells) = (PermutationTable::new(seed), cells as isize);
+        let corner = |i: isize| table.hash(&[i % cells, i / cells % cells, i / (cells * cells)]);
+        let gradients = (0..cells.pow(3)).map(|i| gradient(corner(i))).collect();
+        Self { cells: cells as i32, gradients }
+    }
+
+    /// From -1 to 1, at a point in cells.
+    fn at(&self, p: DVec3) -> f64 {
+        let low = p.floor();
+        let within = p - low;
+        let both = |x: f64| {
+            let low = (x as i32).rem_euclid(self.cells);
+            [low, if low + 1 == self.cells { 0 } else { low + 1 }]
+        };
+        let (x, y, z) = (both(low.x), both(low.y), both(low.z));
+        let corner = |i: usize, j: usize, k: usize| {
+            let g = &self.gradients[((z[k] * self.cells + y[j]) * self.cells + x[i]) as usize];
+            g.x * (within.x - i as f64) + g.y * (within.y - j as f64) + g.z * (within.z - k as f64)
+        };
+        let (u, v, w) = (smooth(within.x), smooth(within.y), smooth(within.z));
+        let edge = |i: usize, j: usize| between(corner(i, j, 0), corner(i, j, 1), w);
+        let side = |i: usize| between(edge(i, 0), edge(i, 1), v);
+        (between(side(0), side(1), u) * TO_ONE).clamp(-1.0, 1.0)
+    }
+}
+
+fn between(a: f64, b: f64, share: f64) -> f64 {
+    a + share * (b - a)
+}
+
+/// From 0 to 1 without slope or bend at either end (Perlin 2002).
+fn smooth(x: f64) -> f64 {
+    x * x * x * (x * (x * 6.0 - 15.0) + 10.0)
+}
+
+/// The gradient of a hash: towards the middle of one of the twelve edges of a cube, four of them twice.
+fn gradient(hash: usize) -> DVec3 {
+    const EDGES: [usize; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 9, 11];
+    let edge = EDGES[hash % EDGES.len()];
+    let sign = |bit: usize| if edge >> bit & 1 == 0 { 1.0 } else { -1.0 };
+    let (a, b) = (sign(0), sign(1));
+    match edge >> 2 {
+        0 => DVec3::new(a, b, 0.0),
+        1 => DVec3::new(a, 0.0, b),
+        _ => DVec3::new(0.0, a, b),
+    }
+}
+
+/// Veils: the sheets on which gradient noise goes through zero, curled by noise of their size.
 fn wisps(gain: f32) -> Vec<f32> {
-    let curls = [11, 12, 13].map(|seed| Periodic::new(seed, CELLS[0]));
-    let octaves: Vec<Periodic> = (20..).zip(CELLS).map(|(seed, cells)| Periodic::new(seed, cells)).collect();
+    let curls = [11, 12, 13].map(|seed| Gradients::new(seed, CELLS[0]));
+    let octaves: Vec<Gradients> = (20..).zip(CELLS).map(|(seed, cells)| Gradients::new(seed, cells)).collect();
     let value = |i: u32| {
         let texel = DVec3::new(f64::from(i % SIZE), f64::from(i / SIZE % SIZE), f64::from(i / (SIZE * SIZE)));
         let place = (texel + 0.5) / f64::from(SIZE);
         let first = f64::from(CELLS[0]) * place;
-        let curl = curls.each_ref().map(|curl| perlin_3d(first.to_array().into(), curl));
+        let curl = curls.each_ref().map(|curl| curl.at(first));
         let curled = place + CURL / f64::from(CELLS[0]) * DVec3::from(curl);
         let (mut sum, mut amplitude) = (0.0, 1.0);
-        for (octave, cells) in octaves.iter().zip(CELLS) {
-            let at = f64::from(cells) * curled;
-            sum -= amplitude * perlin_3d(at.to_array().into(), octave).abs() as f32;
+        for octave in &octaves {
+            sum -= amplitude * octave.at(f64::from(octave.cells) * curled).abs() as f32;
             amplitude *= gain;
         }
         sum
