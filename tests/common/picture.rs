@@ -8,6 +8,11 @@ use nephos::{
 
 use super::gpu;
 
+/// The same steps along rays, in light that costs little: for what has nothing to do with how fine light is.
+pub const fn in_coarse_light(quality: Quality) -> Quality {
+    Quality { light_resolution: 16, light_cells: 12, ..quality }
+}
+
 /// A renderer on the device of the tests.
 pub fn renderer(quality: Quality, transport: Transport) -> Renderer {
     let mut renderer = Renderer::new(&gpu().device, &gpu().queue, wgpu::TextureFormat::Rgba16Float);

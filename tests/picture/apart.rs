@@ -117,8 +117,9 @@ fn off(a: &[f32], b: &[f32]) -> f32 {
 #[test]
 fn the_light_of_the_sun_is_regraded_as_if_it_were_another_one() {
     const RED: [f32; 3] = [1.0, 0.5, 0.2];
+    let mut renderer = renderer(sharp(), Transport::SINGLE);
     for transport in Transport::all() {
-        let mut renderer = renderer(sharp(), transport);
+        renderer.settings.transport = transport;
         let mut draw = |sun: [f64; 3]| {
             let scene = lit_by(sun, r#"{"uniform":{"radiance":[0.01,0.016,0.03]}}"#);
             apart(gpu(), &mut renderer, &scene, &[LayerKind::Light], 1)

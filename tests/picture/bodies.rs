@@ -56,7 +56,7 @@ fn extinction_grows_as_the_two_thirds_power_of_height() {
     // off by 2/3 of half of that.
     let most_uneven = 0.5 * 0.6 * constant("density", "EVEN") * 2.0 / 3.0;
     for quality in [Quality::FINAL, Quality::PREVIEW, Quality::DRAFT] {
-        let mut renderer = renderer(still(quality), Transport::SINGLE);
+        let mut renderer = renderer(still(quality), Transport::EMITTER);
         for share in [0.0, 0.5, 1.0] {
             let ball = ball(&format!(r#""stratification": {share}, "#));
             let extinction = ball.clouds[0].droplets.extinction();
@@ -89,7 +89,7 @@ fn a_baked_ball_is_stratified_alike() {
     let mut ball = ball(r#""stratification": 1, "#);
     let lump = ball.clouds[0].ellipsoids[0].clone();
     ball.clouds[0].ellipsoids = vec![lump; 3];
-    let mut renderer = renderer(still(Quality::FINAL), Transport::SINGLE);
+    let mut renderer = renderer(still(Quality::FINAL), Transport::EMITTER);
     renderer.settings.bake_from = 1;
     let extinction = ball.clouds[0].droplets.extinction();
     for height in [0.3, 0.5, 0.8_f64] {
@@ -111,7 +111,7 @@ fn a_diluted_rim_has_lost_its_share_of_droplets_and_the_core_none() {
     ball.noise.scale = Some(1e5);
     ball.clouds[0].edge.boundary = 15.0;
     ball.clouds[0].edge.wispiness = 0.0;
-    let mut renderer = renderer(still(Quality::FINAL), Transport::SINGLE);
+    let mut renderer = renderer(still(Quality::FINAL), Transport::EMITTER);
     let middle = DVec3::new(0.0, 1000.0, 0.0);
     let whole = depth(&mut renderer, &along(&ball, middle, DVec3::X));
     let extinction = ball.clouds[0].droplets.extinction();
@@ -146,7 +146,7 @@ fn stratified(per_cm3: f64) -> Scene {
 fn free_paths_in_a_stratified_cloud_end_where_the_march_has_its_opacity() {
     let scene = stratified(30.0);
     let found = opacity(&trace(&scene, [32, 32], 1200));
-    let mut renderer = renderer(still(Quality::FINAL), Transport::SINGLE);
+    let mut renderer = renderer(still(Quality::FINAL), Transport::EMITTER);
     let picture = draw(&mut renderer, &scene, [192, 192], false);
     let wanted = picture.pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / (192.0 * 192.0);
     let error = (wanted * (1.0 - wanted) / (32.0 * 32.0 * 1200.0)).sqrt();
@@ -188,7 +188,7 @@ fn noise_that_is_renewed_changes_steadily_and_keeps_its_share_of_the_picture() {
     scene.clouds[0].noise.as_mut().unwrap().rate = 60.0;
     scene.clouds[0].ellipsoids.iter_mut().for_each(|e| e.center.x += 400.0);
     // Steps of 1/16 of a renewal, over ends of both phases and the beginning.
-    let mut renderer = renderer(still(Quality::PREVIEW), Transport::SINGLE);
+    let mut renderer = renderer(still(Quality::PREVIEW), Transport::EMITTER);
     let mut drawn = |i: u32| draw(&mut renderer, &scene.at(f64::from(i) / 16.0).unwrap(), [60, 40], false);
     let frames: Vec<Picture> = (0..=20).map(&mut drawn).collect();
     let between = |a: &Picture, b: &Picture| {
@@ -215,7 +215,7 @@ fn nothing_of_a_cloud_is_below_its_level_and_its_base_is_level() {
     ball.clouds[0].droplets.concentration_per_cm3 = 300.0;
     ball.clouds[0].level = Some(1010.0);
     for from in [1, u32::MAX] {
-        let mut renderer = renderer(still(Quality::PREVIEW), Transport::SINGLE);
+        let mut renderer = renderer(still(Quality::PREVIEW), Transport::EMITTER);
         renderer.settings.bake_from = from;
         // Pixels are 1.1 m.
         let picture = draw(&mut renderer, &ball, [20, 200], false);
@@ -237,7 +237,7 @@ const ROW: [u32; 2] = [100, 20];
 #[test]
 fn clouds_with_noises_of_their_own_look_in_one_scene_like_each_alone() {
     let pair = pair();
-    let mut renderer = renderer(still(Quality::PREVIEW), Transport::MOMENTS);
+    let mut renderer = renderer(still(Quality::DRAFT), Transport::MOMENTS);
     let mut drawn = |scene: &Scene| draw(&mut renderer, scene, ROW, false);
     let (both, first, second) = (drawn(&pair), drawn(&alone(&pair, 0)), drawn(&alone(&pair, 1)));
     let covered = |picture: &Picture| picture.pixels.iter().filter(|pixel| pixel[3] > 0.1).count();

@@ -3,7 +3,10 @@
 
 use crate::common;
 
-use common::{gpu, picture::renderer};
+use common::{
+    gpu,
+    picture::{in_coarse_light, renderer},
+};
 use glam::{
     DAffine3, DQuat, DVec3, Mat4,
     camera::{lh::proj::directx as left_handed, rh::proj::directx as proj},
@@ -38,7 +41,7 @@ fn world_from_view(scene: &Scene) -> DAffine3 {
 }
 
 fn taken(frame: &Frame, sky: bool) -> Picture {
-    let mut renderer = renderer(Quality::PREVIEW, Transport::OCTAVES);
+    let mut renderer = renderer(in_coarse_light(Quality::PREVIEW), Transport::OCTAVES);
     // The air before clouds is kept in as many cells for a part of a picture as for the whole.
     renderer.settings.aerial = sky;
     Film::new(frame.size(), 1).take(gpu(), &mut renderer, frame, sky, &mut |_| ()).unwrap()
@@ -126,7 +129,7 @@ fn a_quarter_by_an_off_axis_matrix_is_that_quarter_of_the_whole() {
 
 /// Clouds alone behind and before a wall, `distance` metres away along the axis.
 fn before_a_wall(frame: &Frame, distance: f32) -> Picture {
-    let mut renderer = renderer(Quality::PREVIEW, Transport::OCTAVES);
+    let mut renderer = renderer(in_coarse_light(Quality::PREVIEW), Transport::OCTAVES);
     renderer.settings.aerial = false;
     let color = renderer.picture("color", frame.size(), wgpu::TextureFormat::Rgba16Float);
     let depth = renderer.picture("depth", frame.size(), wgpu::TextureFormat::Depth32Float);

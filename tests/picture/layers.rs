@@ -12,7 +12,7 @@ use glam::DVec3;
 use nephos::{
     export::Picture,
     reference::{Estimate, PathOptions, PathTracer},
-    render::{Film, Frame, Quality, Transport},
+    render::{Film, Frame, Quality, Renderer, Transport},
     scene::{Camera, Preset, Projection, Scene},
 };
 
@@ -65,12 +65,11 @@ fn errors(drawn: &Picture, truth: &Estimate) -> (f64, f64) {
     (((square - noise).max(0.0) / light).sqrt(), sums[0] / sums[1] - 1.0)
 }
 
-fn measured(scene: &Scene, samples: u32) -> (f64, f64) {
+fn measured(renderer: &mut Renderer, scene: &Scene, samples: u32) -> (f64, f64) {
     let film = Film::new(SIZE, RAYS);
     let frame = film.frame(scene).unwrap();
     let truth = trace(scene, SIZE, samples);
-    let mut renderer = renderer(Quality::FINAL, Transport::MOMENTS);
-    let drawn = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
+    let drawn = film.take(gpu(), renderer, &frame, false, &mut |_| ()).unwrap();
     errors(&drawn, &truth)
 }
 
@@ -86,9 +85,11 @@ fn light_of_layers_is_near_the_truth() {
         ("deck low sun", HEAPS, from_above(), LOW, 0.10),
         ("deck low sun below", HEAPS, from_below(), LOW, 0.10),
     ];
+    // Light that is the same for two cameras is made once.
+    let mut renderer = renderer(Quality::FINAL, Transport::MOMENTS);
     let mut wrong = Vec::new();
     for (name, layer, camera, sun, bound) in cases {
-        let (error, bias) = measured(&deck(layer, WATER, &camera, sun), 96);
+        let (error, bias) = measured(&mut renderer, &deck(layer, WATER, &camera, sun), 96);
         eprintln!("{name}: {error:.3}, bias {bias:+.3}");
         wrong.extend((error > bound).then(|| format!("{name}: {error:.3}")));
     }
@@ -98,7 +99,7 @@ fn light_of_layers_is_near_the_truth() {
 /// Share of pixels whose opacity is above a half, by rays straight down from above.
 fn covered(layer: &str, period: f64) -> f64 {
     // A texel of the field each, so that nothing is a mean over some.
-    covered_of(&scene_above(layer, period), 1024)
+    covered_of(&scene_above(layer, period), 256)
 }
 
 /// An opaque layer from straight above, a period of it.
@@ -114,7 +115,7 @@ fn scene_above(layer: &str, period: f64) -> Scene {
 fn covered_of(scene: &Scene, rays: u32) -> f64 {
     let film = Film::new([rays, rays], 1);
     let frame = film.frame(scene).unwrap();
-    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
+    let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
     let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
     picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() as f64 / picture.pixels.len() as f64
 }
@@ -151,7 +152,7 @@ fn a_painted_layer_covers_the_mean_of_its_map_where_it_is_painted() {
     for ending in ["png", "exr"] {
         let (mut scene, mean) = painted(folder.path(), ending);
         if ending == "png" {
-            let share = covered_of(&scene, 1024);
+            let share = covered_of(&scene, 256);
             eprintln!("{share:.4} of {mean:.4}");
             assert!((share - mean).abs() < 0.01, "{share} of {mean}");
         }
@@ -237,7 +238,7 @@ fn lowest(base: f64, eye: f64) -> f64 {
     let rows = 400;
     let film = Film::new([1, rows], 1);
     let frame = film.frame(&deck(&layer, WATER, &camera, HIGH)).unwrap();
-    let mut renderer = renderer(Quality::PREVIEW, Transport::SINGLE);
+    let mut renderer = renderer(Quality::PREVIEW, Transport::EMITTER);
     let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
     let last = picture.pixels.iter().rposition(|pixel| pixel[3] > 0.5).unwrap();
     let half = (0.5 * fov).to_radians().tan();
@@ -273,7 +274,7 @@ fn lowest_gap(top: f64, eye: f64) -> f64 {
     let film = Film::new([1, rows], 1);
     let frame =
         film.frame(&deck(&layer, r#""edge": {"boundary": 0, "wispiness": 0}"#, &camera, HIGH)).unwrap();
-    let mut renderer = renderer(Quality::PREVIEW, Transport::SINGLE);
+    let mut renderer = renderer(Quality::PREVIEW, Transport::EMITTER);
     let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
     let first = picture.pixels.iter().position(|pixel| pixel[3] > 0.5).unwrap();
     let half = (0.5 * fov).to_radians().tan();

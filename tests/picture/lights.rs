@@ -105,8 +105,9 @@ fn a_light_of_clouds_alone_is_a_sun_without_air_and_twice_the_same_is_twice_as_m
 
 #[test]
 fn every_model_has_a_moon_and_those_that_solve_for_light_have_lightning() {
+    let mut renderer = renderer(sharp(), Transport::SINGLE);
     for transport in Transport::all() {
-        let mut renderer = renderer(sharp(), transport);
+        renderer.settings.transport = transport;
         let dark = Scene { sun: Sun { irradiance: [0.0; 3], ..Sun::default() }, sky: Sky::None, ..scene() };
         let mut light_of = |light: Light| {
             let picture = draw(&mut renderer, &Scene { lights: vec![light], ..dark.clone() }, SIZE, false);

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::picture::{draw, renderer};
+use common::picture::{draw, in_coarse_light, renderer};
 use glam::DVec3;
 use nephos::{
     render::{Quality, Transport},
@@ -43,7 +43,7 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
 
 #[test]
 fn light_is_finite_and_never_negative() {
-    let mut renderer = renderer(Quality::DRAFT, Transport::default());
+    let mut renderer = renderer(in_coarse_light(Quality::DRAFT), Transport::default());
     // The clouds of a field are of kinds that are here by themselves; all of them take minutes.
     for preset in Preset::ALL.into_iter().filter(|preset| *preset != Preset::Field) {
         let mut scene = preset.scene(3);
@@ -67,8 +67,8 @@ fn light_is_finite_and_never_negative() {
 
 #[test]
 fn presets_are_in_their_picture() {
-    // What is covered has nothing to do with light, which takes minutes of fields.
-    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
+    // What is covered has nothing to do with light.
+    let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
     for preset in Preset::ALL {
         let scene = preset.scene(1);
         let picture = draw(&mut renderer, &scene, SIZE, false);
@@ -82,7 +82,7 @@ fn presets_are_in_their_picture() {
 #[test]
 fn every_preset_is_lit_from_where_the_sun_is() {
     // The sun in the east lights the eastern (right) half of what a camera in the south sees.
-    let mut renderer = renderer(Quality::DRAFT, Transport::default());
+    let mut renderer = renderer(in_coarse_light(Quality::DRAFT), Transport::default());
     for preset in [Preset::Kol, Preset::Sphere, Preset::Mediocris] {
         let mut scene = preset.scene(1);
         let mut sides = |azimuth_deg: f64| {

@@ -4,7 +4,7 @@
 use crate::common;
 
 use common::{
-    picture::{draw, renderer, scene},
+    picture::{draw, in_coarse_light, renderer, scene},
     truth::{Measured, assert_agree, mean, trace},
 };
 use nephos::{
@@ -74,7 +74,8 @@ fn previews_scatter_thin_matter_by_its_phase_function_over_the_suns_disc() {
     for (species, theta_deg) in ANGLES {
         let scene = ball(species, theta_deg, 0.53);
         let phase = phase(&scene);
-        let picture = draw(&mut renderer(Quality::PREVIEW, Transport::MOMENTS), &scene, [4; 2], false);
+        let quality = in_coarse_light(Quality::PREVIEW);
+        let picture = draw(&mut renderer(quality, Transport::MOMENTS), &scene, [4; 2], false);
         for channel in [0, 2] {
             let found = picture.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / 16.0;
             // Evenly over the width of the disc is enough here.
@@ -100,9 +101,10 @@ fn previews_scatter_thin_matter_by_its_phase_function_over_the_suns_disc() {
 #[test]
 fn all_models_of_light_draw_ice_and_rain() {
     for species in [Species::Ice, Species::Rain] {
+        let mut renderer = renderer(in_coarse_light(Quality::PREVIEW), Transport::SINGLE);
         for transport in Transport::all() {
-            let picture =
-                draw(&mut renderer(Quality::PREVIEW, transport), &ball(species, 22.7, 0.53), [4; 2], false);
+            renderer.settings.transport = transport;
+            let picture = draw(&mut renderer, &ball(species, 22.7, 0.53), [4; 2], false);
             let light = picture.pixels[5];
             assert!(light.iter().all(|value| value.is_finite() && *value > 0.0), "{species:?}, {transport}");
         }
@@ -117,7 +119,8 @@ fn a_shower_has_a_bow_with_red_outside() {
     shower.sky = nephos::scene::Sky::None;
     // A tall strip up the middle of the picture, half a degree a row; the bow's top is 15 degrees high in it.
     let (width, height) = (8, 108);
-    let picture = draw(&mut renderer(Quality::PREVIEW, Transport::MOMENTS), &shower, [width, height], false);
+    let quality = in_coarse_light(Quality::PREVIEW);
+    let picture = draw(&mut renderer(quality, Transport::MOMENTS), &shower, [width, height], false);
     let row = |channel: usize| {
         let light = |y: &u32| {
             let at = |x: u32| picture.pixels[(y * width + x) as usize][channel];

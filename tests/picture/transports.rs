@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use common::{
     gpu,
-    picture::{draw, renderer, scene},
+    picture::{draw, in_coarse_light, renderer, scene},
 };
 use glam::DVec3;
 use nephos::{
@@ -85,7 +85,8 @@ fn octaves_of_a_sphere_are_their_integrals() {
     for (per_cm3, bound) in [(1.0, 0.01), (60.0, 0.02)] {
         let scene = sphere(per_cm3, r#""isotropic""#, 1.0, r#""none""#);
         let extinction = scene.clouds[0].droplets.extinction();
-        let picture = draw(&mut renderer(Quality::FINAL, Transport::OCTAVES), &scene, SIZE, false);
+        let quality = Quality { light_resolution: 64, ..Quality::FINAL };
+        let picture = draw(&mut renderer(quality, Transport::OCTAVES), &scene, SIZE, false);
         let mut squares = (0.0, 0.0);
         for (pixel, ray) in picture.pixels.iter().zip(rays()) {
             let exact = octaves(extinction, scene.sun.to_sun(), ray);
@@ -102,7 +103,7 @@ fn octaves_of_a_sphere_are_their_integrals() {
 fn octaves_of_a_thin_cloud_are_seven_quarters_of_single_scattering() {
     let scene = sphere(0.2, r#""isotropic""#, 1.0, r#""none""#);
     let [single, octaves] = [Transport::SINGLE, Transport::OCTAVES].map(|transport| {
-        let picture = draw(&mut renderer(Quality::FINAL, transport), &scene, SIZE, false);
+        let picture = draw(&mut renderer(in_coarse_light(Quality::FINAL), transport), &scene, SIZE, false);
         picture.pixels.iter().map(|pixel| f64::from(pixel[2])).sum::<f64>()
     });
     // The optical diameter is 0.009: shadows take less than that.
@@ -113,7 +114,7 @@ fn octaves_of_a_thin_cloud_are_seven_quarters_of_single_scattering() {
 fn models_leave_out_the_work_that_they_do_not_need() {
     let scene = Preset::Mediocris.scene(1);
     let work = |transport| -> Counts {
-        let mut renderer = renderer(Quality::PREVIEW, transport);
+        let mut renderer = renderer(in_coarse_light(Quality::PREVIEW), transport);
         renderer.settings.counting = true;
         draw(&mut renderer, &scene, SIZE, true);
         renderer.counts(gpu()).unwrap()

@@ -72,7 +72,7 @@ fn light_from_all_sides_counts_every_droplet_of_a_noisy_cloud() {
     // the integral of the extinction. The renderer has it, too: as the opacity of a thin cloud.
     let mut thin = noisy("\"isotropic\"", 0.1, DVec3::Z);
     thin.sun.irradiance = [0.0; 3];
-    let mut renderer = renderer(Quality::FINAL, Transport::SINGLE);
+    let mut renderer = renderer(Quality::FINAL, Transport::EMITTER);
     let picture = draw(&mut renderer, &thin, [256, 256], false);
     let mass: f64 = picture.pixels.iter().map(|pixel| -f64::from(1.0 - pixel[3]).ln()).sum::<f64>();
     let mass = 200.0 * mass / (256.0 * 256.0);
@@ -96,7 +96,7 @@ fn free_paths_in_a_noisy_cloud_end_where_the_march_has_its_opacity() {
     let mut scene = noisy("\"isotropic\"", 20.0, DVec3::new(0.3, 0.2, 0.9));
     scene.sun.irradiance = [0.0; 3];
     let found = opacity(&trace(&scene, [32, 32], 1920));
-    let mut renderer = renderer(Quality::FINAL, Transport::SINGLE);
+    let mut renderer = renderer(Quality::FINAL, Transport::EMITTER);
     let picture = draw(&mut renderer, &scene, [256, 256], false);
     let wanted = picture.pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>() / (256.0 * 256.0);
     let error = (wanted * (1.0 - wanted) / (32.0 * 32.0 * 1920.0)).sqrt();

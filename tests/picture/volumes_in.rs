@@ -14,7 +14,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use nephos::{
     export::{Picture, write_vdb, write_vol},
     reference::{PathOptions, PathTracer},
-    render::{Film, Frame, Quality, Transport, VoxelGrid, Voxels},
+    render::{Film, Frame, Quality, Renderer, Transport, VoxelGrid, Voxels},
     scene::{Camera, Cloud, Droplets, Grid, Phase, Projection, Scene, Up, Volume},
 };
 
@@ -40,9 +40,8 @@ fn alone(volume: Volume, position: DVec3, target: DVec3, height: f64) -> Scene {
     scene
 }
 
-fn opacities(scene: &Scene, quality: Quality) -> Vec<f64> {
-    let mut renderer = renderer(quality, Transport::SINGLE);
-    draw(&mut renderer, scene, [8, 8], false).pixels.iter().map(|pixel| f64::from(pixel[3])).collect()
+fn opacities(renderer: &mut Renderer, scene: &Scene) -> Vec<f64> {
+    draw(renderer, scene, [8, 8], false).pixels.iter().map(|pixel| f64::from(pixel[3])).collect()
 }
 
 #[test]
@@ -52,7 +51,9 @@ fn a_homogeneous_box_lets_through_what_beer_and_lambert_say() {
     let turn = DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.1);
     let middle = 0.5 * DVec3::new(23.0, 15.0, 39.0) * DVec3::new(1.0, 1.5, 2.5);
     let z_up = |v: DVec3| DVec3::new(v.x, v.z, -v.y);
+    let mut renderer = renderer(Quality::FINAL, Transport::EMITTER);
     for (name, quality) in Quality::PRESETS {
+        renderer.settings.quality = quality;
         for (up, orientation) in [(Up::Y, DQuat::IDENTITY), (Up::Y, turn), (Up::Z, turn)] {
             for (axis, length) in [(DVec3::X, 24.0), (DVec3::Y, 24.0), (DVec3::Z, 100.0)] {
                 for depth in [0.05, 0.7, 3.0] {
@@ -72,7 +73,7 @@ fn a_homogeneous_box_lets_through_what_beer_and_lambert_say() {
                     let position = target - 200.0 * turned(axis) + 1e-3 * DVec3::Z;
                     let scene = alone(volume.with_grid(grid.clone()), position, target, 8.0);
                     let wanted = 1.0 - (-depth).exp();
-                    for found in opacities(&scene, quality) {
+                    for found in opacities(&mut renderer, &scene) {
                         let error = (found - wanted).abs();
                         // A step may go over the rim, in which a voxel's value rises: of final quality it is the shortest.
                         let most = if quality == Quality::FINAL { 2e-3 + 1e-3 * depth } else { 8e-3 };
@@ -114,7 +115,8 @@ fn read_in(scene: &Scene, grid: VoxelGrid, name: &str) -> Scene {
 fn pictured(scene: &Scene, transport: Transport) -> Picture {
     let film = Film::new(SIZE, 4);
     let frame = film.frame(scene).unwrap();
-    film.take(gpu(), &mut renderer(Quality::FINAL, transport), &frame, false, &mut |_| ()).unwrap()
+    let quality = Quality { light_resolution: 64, light_cells: 48, ..Quality::FINAL };
+    film.take(gpu(), &mut renderer(quality, transport), &frame, false, &mut |_| ()).unwrap()
 }
 
 fn light(pixels: &[[f32; 4]]) -> f64 {
@@ -202,7 +204,7 @@ fn light_of_a_volume_is_near_the_truth() {
 #[test]
 fn opacity_of_a_volume_is_that_of_the_truth() {
     let scene = smoke_scene(0.02);
-    let drawn = pictured(&scene, Transport::SINGLE);
+    let drawn = pictured(&scene, Transport::EMITTER);
     let estimate = traced(&mut tracer(&scene, SIZE, &PathOptions::default()), 384);
     let sum = |pixels: &[[f32; 4]]| pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
     let ratio = sum(&drawn.pixels) / sum(&estimate.mean);
@@ -228,7 +230,7 @@ fn empty_space_costs_nothing() {
     let grid = Grid::dense("density".to_owned(), DAffine3::IDENTITY, size, values).unwrap();
     let volume = Volume { extinction: 0.01, ..Volume::default() }.with_grid(Arc::new(grid));
     let scene = alone(volume, DVec3::new(-900.0, 8.0, 8.0), DVec3::new(0.0, 8.0, 8.0), 8.0);
-    let mut renderer = renderer(Quality::FINAL, Transport::SINGLE);
+    let mut renderer = renderer(Quality::FINAL, Transport::EMITTER);
     renderer.settings.counting = true;
     draw(&mut renderer, &scene, [8, 8], false);
     let counts = renderer.counts(gpu()).unwrap();

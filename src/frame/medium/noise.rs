@@ -316,7 +316,8 @@ fn gradient(hash: usize) -> DVec3 {
 /// Veils: the sheets on which gradient noise goes through zero, curled by noise of their size.
 fn wisps(gain: f32) -> Vec<f32> {
     let curls = [11, 12, 13].map(|seed| Gradients::new(seed, CELLS[0]));
-    let octaves: Vec<Gradients> = (20..).zip(CELLS).map(|(seed, cells)| Gradients::new(seed, cells)).collect();
+    let octaves: Vec<Gradients> =
+        (20..).zip(CELLS).map(|(seed, cells)| Gradients::new(seed, cells)).collect();
     let value = |i: u32| {
         let texel = DVec3::new(f64::from(i % SIZE), f64::from(i / SIZE % SIZE), f64::from(i / (SIZE * SIZE)));
         let place = (texel + 0.5) / f64::from(SIZE);
