@@ -180,7 +180,7 @@ fn schema_is_written_whole() {
 #[test]
 fn render_writes_a_png_of_the_size_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let words = "--width 50 --height 30 --quality draft --json";
+    let words = "--width 50 --height 30 --quality draft --transport single --json";
     let (picture, report) = render_small(&folder, "cloud.png", words);
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["width"], 50);
@@ -190,7 +190,11 @@ fn render_writes_a_png_of_the_size_asked_for() {
 #[test]
 fn render_stats_count_work() {
     let folder = tempfile::tempdir().unwrap();
-    let (_, report) = render_small(&folder, "cloud.png", "--width 64 --height 36 --stats --json");
+    let (_, report) = render_small(
+        &folder,
+        "cloud.png",
+        "--width 64 --height 36 --quality draft --transport single --stats --json",
+    );
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     let count = |name: &str| report["counts"][name].as_u64().unwrap();
     assert!(count("rays") >= count("rays_hit") && count("rays_hit") > 100);
@@ -291,7 +295,7 @@ fn options_that_cannot_be_obeyed_are_refused_with_the_way_out() {
 fn as_many_rays_are_drawn_as_were_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let rays = |words: &str| {
-        let words = format!("--width 16 --height 9 --transport single --stats --json {words}");
+        let words = format!("--width 16 --height 9 --transport emitter --stats --json {words}");
         let report: serde_json::Value =
             serde_json::from_str(&render_small(&folder, "cloud.png", &words).1).unwrap();
         report["counts"]["rays"].as_u64().unwrap()
@@ -431,7 +435,7 @@ fn only_the_same_picture_is_resumed() {
     let path = "--width 8 --height 8 --transport path --resume";
     complain(&other, &picture, path, "is a picture of another scene");
     complain(&scene, &picture, "--width 8 --height 9 --transport path --resume", "has 8x8 pixels, not 8x9");
-    render_small(&folder, "half.exr", "--width 8 --height 8 --quality draft");
+    render_small(&folder, "half.exr", "--width 8 --height 8 --quality draft --transport single");
     complain(&scene, &half, path, "no path traced picture");
     complain(&scene, &in_folder(&folder, "truth.png"), path, "ends in .exr");
     complain(&scene, &picture, "--resume", "--resume is for --transport path");

@@ -63,12 +63,12 @@ fn each_kind_is_written() {
     let told = desk.told("export shadow scene.json -o shadow.png --size 8 --center -600,600 --extent 500");
     assert!(told.contains("500.0 m around x -600.0 z 600.0 at y 0.0"), "{told}");
     let told = desk.told(
-        "export flipbook scene.json -o book.png --frames 2 --tile 16 --turns -1 --travel 0 --cloud one",
+        "export flipbook scene.json -o book.png --frames 2 --tile 16 --quality draft --turns -1 --travel 0 --cloud one",
     );
     assert!(told.contains("auto exposure"), "{told}");
-    desk.told("export sixway scene.json -o six.exr --tile 16");
+    desk.told("export sixway scene.json -o six.exr --tile 16 --quality draft");
     desk.told(
-        "export impostor scene.json -o card.png --views 2 --tile 16 --from below --tone soft --exposure -1",
+        "export impostor scene.json -o card.png --views 2 --tile 16 --quality draft --from below --tone soft --exposure -1",
     );
     desk.told("export camera scene.json -o shot.glb");
     for name in
@@ -105,10 +105,10 @@ fn volumes_over_time_are_those_of_their_moments_in_voxels_of_one_size() {
 #[test]
 fn what_stands_under_alpha_0_is_the_nearest_cloud() {
     let desk = Desk::new();
-    desk.told("render scene.json -o still.png --width 48 --height 27 --quality draft --transparent");
-    desk.told("export flipbook scene.json -o book.png --frames 2 --tile 24");
-    desk.told("export sixway scene.json -o six.png --tile 24");
-    desk.told("export impostor scene.json -o card.png --views 2 --tile 24");
+    desk.told("render scene.json -o still.png --width 48 --height 27 --quality draft --transport single --transparent");
+    desk.told("export flipbook scene.json -o book.png --frames 2 --tile 24 --quality draft");
+    desk.told("export sixway scene.json -o six.png --tile 24 --quality draft");
+    desk.told("export impostor scene.json -o card.png --views 2 --tile 24 --quality draft");
     let read = |name: &str| image::open(desk.path(name)).unwrap().to_rgba8();
     let opacity = read("six_positive.png");
     for name in
@@ -208,7 +208,9 @@ fn channels(path: &PathBuf) -> Vec<String> {
 fn layers_are_those_that_were_named() {
     let desk = Desk::new();
     let written = |words: &str| {
-        desk.told(&format!("render scene.json -o a.exr {words} --quality draft --width 16 --height 9"));
+        desk.told(&format!(
+            "render scene.json -o a.exr {words} --quality draft --transport single --width 16 --height 9"
+        ));
         channels(&desk.path("a.exr"))
     };
     assert_eq!(written("--layers=depth"), ["A", "B", "G", "R", "planar.Z"]);
@@ -228,7 +230,7 @@ fn layers_are_those_that_were_named() {
         1,
     );
     fs::write(desk.path("around.json"), around).unwrap();
-    let size = "--quality draft --width 16 --height 8";
+    let size = "--quality draft --transport single --width 16 --height 8";
     let text = desk.complaint(&format!("render around.json -o b.exr --layers=depth {size}"));
     assert!(text.contains("`depth`") && text.contains("equirectangular"), "{text}");
     desk.told(&format!("render around.json -o b.exr --layers=distance,position {size}"));
@@ -283,7 +285,9 @@ fn cameras_that_move_are_taken_where_they_are_at_that_moment() {
 #[test]
 fn layers_have_the_names_that_compositors_expect() {
     let desk = Desk::new();
-    desk.told("render scene.json -o layers.exr --layers --quality draft --width 32 --height 18");
+    desk.told(
+        "render scene.json -o layers.exr --layers --quality draft --transport single --width 32 --height 18",
+    );
     let path = desk.path("layers.exr");
     let Some(told) = readers::program("exrheader", &[path.to_str().unwrap()]) else { return };
     // Colours are half floats; Nuke's depth is `depth.Z`, as float.

@@ -37,7 +37,7 @@ fn header(file: &Path) -> Option<String> {
 #[test]
 fn frames_say_camera_rate_time_and_colours_in_the_names_of_openexr() {
     let folder = started();
-    let size = "--width 32 --height 16 --quality draft";
+    let size = "--width 32 --height 16 --quality draft --transport single";
     told(
         folder.path(),
         &format!(
@@ -68,7 +68,9 @@ fn frames_say_camera_rate_time_and_colours_in_the_names_of_openexr() {
 fn acescg_is_the_same_light_in_other_numbers() {
     let folder = started();
     let render = |name: &str, more: &str| {
-        let words = format!("render scene.json -o {name} --width 16 --height 16 --quality draft {more}");
+        let words = format!(
+            "render scene.json -o {name} --width 16 --height 16 --quality draft --transport single {more}"
+        );
         told(folder.path(), &words);
         let image = exr::prelude::read_first_rgba_layer_from_file(
             folder.path().join(name),
@@ -115,7 +117,7 @@ fn sequences_and_exports_take_the_camera_of_another_file() {
     let up = Scene::from_json(&SCENE.replace("[0,900,0],\"proj", "[0,5000,799],\"proj")).unwrap();
     up.save(folder.path().join("up.json")).unwrap();
     told(folder.path(), "export camera up.json -o up.glb");
-    let size = "--width 16 --height 8 --quality draft";
+    let size = "--width 16 --height 8 --quality draft --transport single";
     told(folder.path(), &format!("sequence scene.json -o a.#.png --frames 1 --camera up.glb {size}"));
     told(folder.path(), &format!("render up.json -o b.png {size}"));
     told(folder.path(), &format!("sequence scene.json -o c.#.png --frames 1 {size}"));
@@ -154,7 +156,7 @@ fn rising(folder: &Path) {
 fn an_animated_camera_is_where_its_nodes_are_at_each_frame_whatever_the_rate() {
     let folder = started();
     rising(folder.path());
-    let size = "--width 16 --height 16 --quality draft";
+    let size = "--width 16 --height 16 --quality draft --transport single";
     // Half a second in: frame 13 of 24 a second, and frame 7 of 12.
     told(folder.path(), &format!("sequence scene.json -o a.#.exr --frames 13 --camera rise.gltf {size}"));
     told(
