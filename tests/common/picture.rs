@@ -1,8 +1,10 @@
 //! Small pictures for tests.
 
+use std::sync::{Mutex, PoisonError};
+
 use nephos::{
     export::Picture,
-    render::{Film, Quality, Renderer, Transport},
+    render::{Film, Quality, Renderer, Settings, Transport},
     scene::Scene,
 };
 
@@ -19,6 +21,18 @@ pub fn renderer(quality: Quality, transport: Transport) -> Renderer {
     renderer.settings.quality = quality;
     renderer.settings.transport = transport;
     renderer
+}
+
+/// Lends a renderer that others drew with, whose programs are compiled: where it is not asked what a renderer made.
+pub fn lent<T>(quality: Quality, transport: Transport, draw: impl FnOnce(&mut Renderer) -> T) -> T {
+    static IDLE: Mutex<Vec<Renderer>> = Mutex::new(Vec::new());
+    let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = idle().pop();
+    let mut renderer = known.unwrap_or_else(|| renderer(quality, transport));
+    renderer.settings = Settings { quality, transport, ..Settings::default() };
+    let drawn = draw(&mut renderer);
+    idle().push(renderer);
+    drawn
 }
 
 /// Linear, premultiplied pixels of a scene; without the sky behind the clouds where `sky` is false.

@@ -9,7 +9,7 @@ use glam::DVec3;
 use nephos::{
     editor::{
         Action, EllipsoidId, Selection, Settings,
-        viewport::{Lens, Tool, ViewCommand},
+        viewport::{Lens, Stage, Tool, ViewCommand},
     },
     scene::{Preset, Scene},
 };
@@ -557,6 +557,7 @@ fn the_view_panel_chooses_layers_and_tells_the_work() {
     let layer = window.state_mut().editor().viewport_mut().settings.layer;
     assert_eq!(layer, nephos::editor::viewport::Layer::Multiple);
     click(&mut window, "Count and time");
+    window.state_mut().editor().viewport_mut().settings.finest = Stage::Preview;
     perform(&mut window, Action::View(ViewCommand::Show(nephos::editor::viewport::Layer::Beauty)));
     wait(&mut window, "a counted picture", |desk| desk.editor().viewport_mut().statistics().counts.is_some());
     window.run_steps(2);
@@ -709,6 +710,7 @@ fn at_rest_nothing_asks_for_another_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Sphere);
     let mut window = open(folder.path(), Some(&path));
+    window.state_mut().editor().viewport_mut().settings.finest = Stage::Preview;
     wait(&mut window, "rest", |desk| desk.editor().viewport_mut().at_rest());
     window.run_steps(8);
     let output = &window.output().viewport_output[&egui::ViewportId::ROOT];

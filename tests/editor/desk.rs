@@ -8,7 +8,7 @@ use egui_kittest::{
     wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup},
 };
 use nephos::{
-    editor::{Editor, Options, Places, jobs::Program},
+    editor::{Editor, Options, Places, jobs::Program, viewport::Stage},
     scene::Scene,
 };
 
@@ -39,7 +39,8 @@ impl Desk {
         let editor = self.editor.get_or_insert_with(|| {
             let mut editor = Editor::new(ui.ctx(), &self.state, self.options.clone());
             // Clouds are not what is tested here, and cost seconds on two cores.
-            editor.viewport_mut().settings.largest = 64;
+            let settings = &mut editor.viewport_mut().settings;
+            (settings.largest, settings.finest) = (64, Stage::Moving);
             editor
         });
         let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(ui.ctx().content_rect()));

@@ -1,13 +1,13 @@
 //! The viewport as a person drives it, without a window, on the software adapter too.
 
 use crate::patience;
-use crate::window::{App, at, lump, open, rest, rest_until, run, shoot, two_lumps};
+use crate::window::{App, at, lump, open, rest, rest_until, run, shoot, sketch, two_lumps};
 use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use glam::DVec3;
 use nephos::{
     editor::{
         EllipsoidId, Selection,
-        viewport::{Axes, Layer, Side, Tool, ViewCommand},
+        viewport::{Axes, Layer, Side, Stage, Tool, ViewCommand},
     },
     export::Picture,
     render::{Frame, Renderer, Target},
@@ -45,6 +45,7 @@ fn comes_to_rest_in_final_quality_and_then_does_nothing() {
 #[test]
 fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
     let mut window = open(two_lumps(), TINY);
+    window.state_mut().viewport.settings.finest = Stage::Preview;
     rest(&mut window);
     let before = window.state().viewport.statistics().clone();
     run(&mut window, ViewCommand::LookFrom(Side::Back));
@@ -68,6 +69,7 @@ fn moving_the_camera_makes_pictures_but_no_light_and_edits_make_both() {
 #[test]
 fn the_picture_is_exposed_when_the_hand_rests_and_holds_still_while_it_moves() {
     let mut window = open(two_lumps(), TINY);
+    window.state_mut().viewport.settings.finest = Stage::Preview;
     rest(&mut window);
     let before = window.state().viewport.metered().unwrap();
     let dim = |scene: &mut Scene| scene.sun.irradiance = scene.sun.irradiance.map(|x| x / 8.0);
@@ -89,7 +91,7 @@ fn the_picture_is_exposed_when_the_hand_rests_and_holds_still_while_it_moves() {
 
 #[test]
 fn a_click_selects_shift_adds_and_the_sky_selects_nothing() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     // In so small a window the gizmo would cover the other lump.
     window.state_mut().viewport.settings.tool = Tool::Select;
     let (left, right) = (at(&window, 0), at(&window, 1));
@@ -118,7 +120,7 @@ fn a_click_selects_shift_adds_and_the_sky_selects_nothing() {
 fn a_second_click_at_one_place_selects_what_is_behind() {
     let mut scene = two_lumps();
     scene.clouds[0].ellipsoids = vec![lump([0.0, 1000.0, 0.0]), lump([0.0, 1000.0, -900.0])];
-    let mut window = open(scene, TINY);
+    let mut window = sketch(scene, TINY);
     window.state_mut().viewport.settings.tool = Tool::Select;
     let place = at(&window, 0);
     for expected in [0, 1, 0] {
@@ -134,7 +136,7 @@ fn a_second_click_at_one_place_selects_what_is_behind() {
 
 #[test]
 fn a_box_selects_the_centres_in_it() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     let (left, right) = (at(&window, 0), at(&window, 1));
     let reach = vec2(12.0, 12.0);
     for (from, to, expected) in
@@ -157,7 +159,7 @@ fn a_box_selects_the_centres_in_it() {
 
 #[test]
 fn dragging_an_arrow_moves_along_its_axis_in_one_step_of_undo() {
-    let mut window = open(two_lumps(), vec2(480.0, 270.0));
+    let mut window = sketch(two_lumps(), vec2(480.0, 270.0));
     window.state_mut().viewport.settings.largest = 96;
     window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 1 }));
     window.step();
@@ -188,7 +190,7 @@ fn dragging_an_arrow_moves_along_its_axis_in_one_step_of_undo() {
 
 #[test]
 fn keys_move_by_a_typed_number_and_escape_takes_it_back() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     window.state_mut().document.select(Selection::one(EllipsoidId { cloud: 0, ellipsoid: 0 }));
     let place = at(&window, 0);
     window.hover_at(place);
@@ -218,7 +220,7 @@ fn keys_move_by_a_typed_number_and_escape_takes_it_back() {
 
 #[test]
 fn the_middle_button_orbits_and_the_wheel_comes_nearer() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     let place = at(&window, 0);
     let before = window.state().viewport.camera();
     window.hover_at(place);
@@ -328,7 +330,8 @@ fn truth_converges_beside_the_preview_and_tells_how_far_that_is() {
     let mut scene = two_lumps();
     scene.clouds[0].droplets.phase = Phase::HenyeyGreenstein { g: 0.5 };
     let mut window = open(scene, vec2(320.0, 180.0));
-    window.state_mut().viewport.settings.truth_pixels = 64 * 36;
+    let settings = &mut window.state_mut().viewport.settings;
+    (settings.truth_pixels, settings.finest) = (64 * 36, Stage::Preview);
     run(&mut window, ViewCommand::ToggleTruth);
     rest_until(&mut window, |app| app.viewport.comparison().is_some());
     let first = window.state().viewport.comparison().unwrap();
@@ -392,7 +395,7 @@ fn pictures_of_truth() {
 
 #[test]
 fn the_right_button_flies_by_letters_that_are_no_shortcuts_then() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     let place = at(&window, 0);
     window.hover_at(place);
     window.step();
@@ -424,7 +427,7 @@ fn the_right_button_flies_by_letters_that_are_no_shortcuts_then() {
 
 #[test]
 fn a_shortcut_counts_with_the_modifiers_of_its_moment() {
-    let mut window = open(two_lumps(), TINY);
+    let mut window = sketch(two_lumps(), TINY);
     window.hover_at(at(&window, 0));
     window.step();
     // Shift is let go within the same slow frame.

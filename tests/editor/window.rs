@@ -9,7 +9,7 @@ use glam::DVec3;
 use nephos::{
     editor::{
         Document,
-        viewport::{Lens, ViewCommand, Viewport},
+        viewport::{Lens, Stage, ViewCommand, Viewport},
     },
     scene::{Camera, Cloud, Ellipsoid, Projection, Scene},
 };
@@ -44,8 +44,18 @@ pub fn two_lumps() -> Scene {
 
 /// Opens a viewport of `size` points on the software adapter.
 pub fn open(scene: Scene, size: Vec2) -> Window<'static> {
+    open_until(scene, size, Stage::Final)
+}
+
+/// The same where clouds are not what is looked at: they stay drafts.
+pub fn sketch(scene: Scene, size: Vec2) -> Window<'static> {
+    open_until(scene, size, Stage::Moving)
+}
+
+fn open_until(scene: Scene, size: Vec2, finest: Stage) -> Window<'static> {
     let state = create_render_state(default_wgpu_setup(), egui_wgpu::RendererOptions::PREDICTABLE);
-    let app = App { viewport: Viewport::new(&state), document: Document::new(scene) };
+    let mut app = App { viewport: Viewport::new(&state), document: Document::new(scene) };
+    app.viewport.settings.finest = finest;
     let mut dressed = false;
     let ui = move |ui: &mut egui::Ui, app: &mut App| {
         if !std::mem::replace(&mut dressed, true) {

@@ -14,7 +14,7 @@ use nephos::{
 
 use crate::common::{
     gpu,
-    picture::{renderer, scene},
+    picture::{in_coarse_light, renderer, scene},
 };
 
 const SIZE: [u32; 2] = [32, 24];
@@ -29,7 +29,7 @@ const ALL: [LayerKind; 7] = [
 ];
 
 fn sharp() -> Quality {
-    Quality { jitter: false, ..Quality::DRAFT }
+    in_coarse_light(Quality { jitter: false, ..Quality::DRAFT })
 }
 
 /// A picture in the file of its layers, and what its header tells.

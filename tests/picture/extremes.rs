@@ -4,11 +4,9 @@
 
 use crate::common;
 
-use std::sync::{Mutex, OnceLock, PoisonError};
-
 use common::{
     hull::power,
-    picture::{draw, renderer},
+    picture::{draw, lent, renderer},
     random::white,
 };
 use glam::{DQuat, DVec3};
@@ -25,15 +23,14 @@ const MIDDLE: DVec3 = DVec3::new(0.0, 1500.0, 0.0);
 
 /// A picture, finite and never negative.
 fn picture_of(scene: &Scene, size: [u32; 2]) -> Picture {
-    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
-    let shared = RENDERER.get_or_init(|| Mutex::new(renderer(COARSE, Transport::MOMENTS)));
-    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    let picture = draw(&mut renderer, scene, size, true);
-    for pixel in &picture.pixels {
+    // With the sky, and the clouds alone.
+    let [whole, clouds] = lent(COARSE, Transport::MOMENTS, |renderer| {
+        [true, false].map(|sky| draw(renderer, scene, size, sky))
+    });
+    for pixel in &whole.pixels {
         assert!(pixel.iter().all(|c| c.is_finite() && *c >= 0.0) && pixel[3] <= 1.0, "{pixel:?}");
     }
-    // Where the clouds are, without the sky.
-    draw(&mut renderer, scene, size, false)
+    clouds
 }
 
 fn picture(scene: &Scene) -> Picture {

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::picture::{draw, renderer, scene};
+use common::picture::{draw, in_coarse_light, renderer, scene};
 use nephos::{
     export::Picture,
     render::{Quality, Renderer, Transport},
@@ -27,7 +27,7 @@ fn drawn(renderer: &mut Renderer, scene: &Scene) -> Picture {
 }
 
 fn at_once(lights_at_once: u32) -> Renderer {
-    let mut renderer = renderer(Quality::DRAFT, Transport::MOMENTS);
+    let mut renderer = renderer(in_coarse_light(Quality::DRAFT), Transport::MOMENTS);
     renderer.settings.lights_at_once = lights_at_once;
     // What is made for shadows would be counted as well: tests/picture/shadows.rs has theirs.
     renderer.settings.shadows = false;

@@ -10,13 +10,13 @@ use nephos::{
 
 use crate::common::{
     gpu,
-    picture::{draw, renderer},
+    picture::{draw, in_coarse_light, renderer},
 };
 
 const SIZE: [u32; 2] = [32, 24];
 
 fn sharp() -> Quality {
-    Quality { jitter: false, ..Quality::DRAFT }
+    in_coarse_light(Quality { jitter: false, ..Quality::DRAFT })
 }
 
 /// Two heaps, one of which shades the other, over ground.

@@ -17,7 +17,7 @@ fn scene() -> Scene {
 }
 
 fn renderer() -> Renderer {
-    picture::renderer(Quality::DRAFT, Transport::DELTA_EDDINGTON)
+    picture::renderer(picture::in_coarse_light(Quality::DRAFT), Transport::DELTA_EDDINGTON)
 }
 
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {

@@ -6,16 +6,14 @@
 
 use crate::common;
 
-use std::sync::{Mutex, OnceLock, PoisonError};
-
 use common::{
-    picture::{draw, renderer},
+    picture::{draw, lent},
     random::{Bounds, check, scenes, white},
 };
 use glam::{DQuat, DVec3};
 use nephos::{
     export::Picture,
-    render::{Quality, Renderer, Transport},
+    render::{Quality, Transport},
     scene::{Cloud, Ellipsoid, Noise, Phase, Projection, Scene, Sky, SunPosition},
 };
 use proptest::strategy::Strategy;
@@ -33,13 +31,8 @@ fn many() -> u32 {
 /// Coarse light, so that a picture takes a tenth of a second; no grain.
 const COARSE: Quality = Quality { light_resolution: 16, light_cells: 8, jitter: false, ..Quality::DRAFT };
 
-/// The picture of a scene, all by one renderer: what it compiled and the tables it made are kept.
 fn picture(scene: &Scene, quality: Quality, transport: Transport) -> Picture {
-    static RENDERER: OnceLock<Mutex<Renderer>> = OnceLock::new();
-    let shared = RENDERER.get_or_init(|| Mutex::new(renderer(quality, transport)));
-    let mut renderer = shared.lock().unwrap_or_else(PoisonError::into_inner);
-    (renderer.settings.quality, renderer.settings.transport) = (quality, transport);
-    draw(&mut renderer, scene, SIZE, false)
+    lent(quality, transport, |renderer| draw(renderer, scene, SIZE, false))
 }
 
 /// The same in coarse light, solved for.

@@ -3,7 +3,11 @@
 
 use crate::common;
 
-use common::{gpu, picture::scene, readers};
+use common::{
+    gpu,
+    picture::{in_coarse_light, scene},
+    readers,
+};
 use glam::{DVec3, Vec3};
 use nephos::{
     export::{FACES, Picture, Studio, cube_faces, equirectangular, write_hdr, write_ktx2, write_named},
@@ -21,7 +25,7 @@ const AROUND: &str = r#"{"clouds":[{"edge":{"boundary":20},"ellipsoids":[
 /// Quick, and without grain.
 fn studio() -> Studio {
     let mut studio = Studio::new(gpu(), 1, true);
-    studio.renderer().settings.quality = Quality { jitter: false, ..Quality::DRAFT };
+    studio.renderer().settings.quality = in_coarse_light(Quality { jitter: false, ..Quality::DRAFT });
     studio
 }
 

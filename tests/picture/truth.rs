@@ -9,7 +9,11 @@ use common::{
     truth::{DISC, HG, Measured, assert_agree, mean, opacity, sphere, trace},
 };
 use glam::DVec3;
-use nephos::scene::Scene;
+use nephos::{
+    reference::Estimate,
+    render::{Quality, Transport},
+    scene::{Preset, Scene},
+};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{RngCore, SeedableRng},
@@ -104,13 +108,14 @@ fn overlapping_ellipsoids_count_once() {
     assert!((a.value / b.value - 1.0).abs() < 1e-3, "{a:?} {b:?}");
 }
 
+/// Size of a picture whose pixels are a quarter of the truth's.
+const TWICE: [u32; 2] = [64, 36];
+
 /// Relative RMSE, the estimate's own noise taken off, and the ratio of mean light, of the
 /// renderer against the path tracer, where the cloud is.
-fn against_truth(scene: &Scene, transport: nephos::render::Transport) -> (f64, f64) {
-    let size = [32, 18];
-    let mut renderer = common::picture::renderer(nephos::render::Quality::PREVIEW, transport);
-    let picture = common::picture::draw(&mut renderer, scene, [64, 36], false).reduced(2);
-    let truth = trace(scene, size, 120);
+fn against_truth(scene: &Scene, truth: &Estimate, transport: Transport) -> (f64, f64) {
+    let mut renderer = common::picture::renderer(Quality::PREVIEW, transport);
+    let picture = common::picture::draw(&mut renderer, scene, TWICE, false).reduced(2);
     let (mut squares, mut noise, mut whole, mut light, mut exact) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for i in 0..truth.mean.len() {
         if truth.mean[i][3] > 0.3 {
@@ -129,15 +134,14 @@ fn against_truth(scene: &Scene, transport: nephos::render::Transport) -> (f64, f
 
 #[test]
 fn the_renderer_is_near_the_truth_and_multiple_scattering_brings_it_there() {
-    use nephos::render::Transport;
-    use nephos::scene::Preset;
     let mut scene = Preset::Congestus.scene(1);
     // Without the forward peak of Mie scattering, whose rare bright paths would take minutes.
     scene.clouds[0].droplets.phase = nephos::scene::Phase::HenyeyGreenstein { g: 0.8 };
-    let (error, bias) = against_truth(&scene, Transport::DELTA_EDDINGTON);
+    let truth = trace(&scene, TWICE.map(|edge| edge / 2), 120);
+    let (error, bias) = against_truth(&scene, &truth, Transport::DELTA_EDDINGTON);
     // Measured: 0.40 and 0.75, on a cloud of a thousand lumps, whose sides a slab knows nothing of. A wrong
     // sign in phase or density leaves neither.
     assert!(error < 0.45 && (0.7..1.15).contains(&bias), "{error} {bias}");
-    let (single, _) = against_truth(&scene, Transport::SINGLE);
+    let (single, _) = against_truth(&scene, &truth, Transport::SINGLE);
     assert!(single > 1.5 * error, "{single} against {error}");
 }

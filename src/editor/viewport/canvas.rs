@@ -143,9 +143,9 @@ impl Canvas {
         self.screen.as_ref().and_then(Screen::id)
     }
 
-    /// The linear picture that is shown, and how far it has come.
-    pub fn picture(&self) -> Option<(&wgpu::Texture, Stage)> {
-        Some((self.linear.as_ref()?, self.stage))
+    /// The linear picture that is shown, once it is finished.
+    pub fn picture(&self) -> Option<&wgpu::Texture> {
+        self.linear.as_ref().filter(|_| self.at_rest())
     }
 
     /// What auto exposure adds to the scene's exposure, stops.
@@ -170,7 +170,7 @@ impl Canvas {
 
     /// Whether there is nothing left to draw.
     pub fn at_rest(&self) -> bool {
-        self.stage == Stage::Final && self.subject.is_some()
+        self.subject.as_ref().is_some_and(|subject| self.stage >= subject.finest)
     }
 
     /// Whether passes are timed and work is counted; makes pictures a little slower.
@@ -221,7 +221,7 @@ impl Canvas {
         if exposed || switched {
             self.compose_again()?;
         }
-        if self.stage == Stage::Final {
+        if self.at_rest() {
             return Ok(None);
         }
         let now = Instant::now();

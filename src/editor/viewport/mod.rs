@@ -37,6 +37,7 @@ pub use error_map::Numbers;
 pub use lens::{Lens, Ray};
 pub use navigation::{Navigation, Side};
 pub use settings::{Axes, Layer, Pivot, Tool, ViewSettings};
+pub use stage::Stage;
 pub use statistics::Statistics;
 
 use self::{
@@ -289,6 +290,7 @@ impl Viewport {
             size,
             layer: if self.truth { Layer::Beauty } else { self.settings.layer },
             rays: Film::of_quality(size, &Quality::FINAL).rays(),
+            finest: self.settings.finest,
         };
         let budget = Duration::from_secs_f64(1.0 / self.settings.frames_per_second.clamp(5.0, 120.0));
         let (tone, measure, truth) = (document.scene().tone(), self.settings.measure, self.truth);

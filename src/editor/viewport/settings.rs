@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::navigation::Navigation;
+use super::{navigation::Navigation, stage::Stage};
 
 /// What light the viewport shows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -140,6 +140,8 @@ pub struct ViewSettings {
     pub frames_per_second: f64,
     /// Most pixels across the viewport's picture; 0 is as many as the screen has.
     pub largest: u32,
+    /// What the picture comes to rest in.
+    pub finest: Stage,
     /// Whether work is counted and passes are timed.
     pub measure: bool,
     /// Most pixels of the truth; 0 is what suits the adapter.
@@ -166,6 +168,7 @@ impl Default for ViewSettings {
             orbit_selected: true,
             frames_per_second: 30.0,
             largest: 0,
+            finest: Stage::default(),
             measure: false,
             truth_pixels: 0,
             split: 0.5,

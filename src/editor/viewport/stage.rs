@@ -1,15 +1,19 @@
 //! How far a picture of the viewport has come.
 
+use serde::{Deserialize, Serialize};
+
 use crate::render::Quality;
 
 /// How far the picture has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// As it was drawn while something moved.
     Moving,
     /// Every pixel, in preview quality.
     Preview,
     /// Final quality: as `nephos render` draws it.
+    #[default]
     Final,
 }
 

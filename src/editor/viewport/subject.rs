@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::settings::Layer;
+use super::{settings::Layer, stage::Stage};
 use crate::{
     Result,
     render::Frame,
@@ -22,6 +22,8 @@ pub struct Subject {
     pub layer: Layer,
     /// Rays across a pixel of the final picture.
     pub rays: u32,
+    /// What it is finished in.
+    pub finest: Stage,
 }
 
 impl Subject {
@@ -47,8 +49,8 @@ impl Subject {
     }
 
     pub(super) fn same_view(&self, other: &Self) -> bool {
-        (&self.camera, self.size, self.layer, self.rays)
-            == (&other.camera, other.size, other.layer, other.rays)
+        let rest = |subject: &Self| (subject.size, subject.layer, subject.rays, subject.finest);
+        self.camera == other.camera && rest(self) == rest(other)
     }
 }
 

@@ -10,7 +10,6 @@ use super::{
     canvas::{Canvas, Screen},
     easel::TruthSeen,
     error_map::{self, Numbers},
-    stage::Stage,
     subject::Subject,
 };
 use crate::{Result, export::Picture, gpu::Gpu, reference::PathTracer};
@@ -149,9 +148,9 @@ impl Truth {
     }
 }
 
-/// Begins where the preview is final.
+/// Begins where the preview is finished.
 fn begin(canvas: &mut Canvas, subject: Subject, tone: Tone) -> Result<Option<Run>> {
-    let Some((linear, Stage::Final)) = canvas.picture() else { return Ok(None) };
+    let Some(linear) = canvas.picture() else { return Ok(None) };
     let frame = subject.frame([linear.width(), linear.height()])?;
     let unit = frame.unit();
     let preview = Picture::read(canvas.gpu(), linear)?.times(unit);
