@@ -5,6 +5,8 @@ PICTURE := target/demo.png
 GALLERY := $(wildcard examples/scenes/gallery-*.json)
 # lavapipe prints a warning on every run without a private folder of its own.
 export XDG_RUNTIME_DIR ?= $(shell mkdir -p target/runtime && chmod 700 target/runtime && echo $(CURDIR)/target/runtime)
+# Compiled shaders are kept beside what is built, also where there is no home folder for them.
+export MESA_SHADER_CACHE_DIR ?= $(shell mkdir -p target/shaders && echo $(CURDIR)/target/shaders)
 
 # The program that draws the gallery; another may be named: make gallery NEPHOS=nephos
 NEPHOS ?= ./target/release/nephos
