@@ -59,7 +59,7 @@ fn wrong_signs_and_densities_are_far_above_the_error_of_the_best_model() {
 #[test]
 fn references_are_as_far_apart_as_their_standard_errors_say() {
     let entry = entry("sphere-side");
-    let limits = Limits { noise: 0.0, samples: 48, time: Duration::MAX };
+    let limits = Limits { noise: 0.0, samples: 24, time: Duration::MAX };
     let [a, b] =
         [1, 2].map(|seed| Reference::trace(gpu(), &entry.scene(), seed, &limits, None, &mut |_| ()).unwrap());
     let (mut squares, mut variance) = (0.0, 0.0);
