@@ -5,7 +5,7 @@ use crate::common;
 
 use common::{
     gpu,
-    picture::{in_coarse_light, renderer},
+    picture::{in_coarse_light, lent, renderer},
 };
 use glam::{
     DAffine3, DQuat, DVec3, Mat4,
@@ -41,10 +41,11 @@ fn world_from_view(scene: &Scene) -> DAffine3 {
 }
 
 fn taken(frame: &Frame, sky: bool) -> Picture {
-    let mut renderer = renderer(in_coarse_light(Quality::PREVIEW), Transport::OCTAVES);
-    // The air before clouds is kept in as many cells for a part of a picture as for the whole.
-    renderer.settings.aerial = sky;
-    Film::new(frame.size(), 1).take(gpu(), &mut renderer, frame, sky, &mut |_| ()).unwrap()
+    lent(in_coarse_light(Quality::PREVIEW), Transport::OCTAVES, |renderer| {
+        // The air before clouds is kept in as many cells for a part of a picture as for the whole.
+        renderer.settings.aerial = sky;
+        Film::new(frame.size(), 1).take(gpu(), renderer, frame, sky, &mut |_| ()).unwrap()
+    })
 }
 
 /// Both pictures are of the same light and alpha, but for `tolerance` of the brightest pixel's.
