@@ -96,10 +96,26 @@ fn light_of_layers_is_near_the_truth() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// Share of pixels whose opacity is above a half, by rays straight down from above.
-fn covered(layer: &str, period: f64) -> f64 {
-    // A texel of the field each, so that nothing is a mean over some.
-    covered_of(&scene_above(layer, period), 256)
+/// Share of a square `edge` metres wide whose opacity is above a half, by rays straight down from above: a texel of
+/// the field each, so that nothing is a mean over some, in rows less than half of a heap apart.
+fn covered(scene: &Scene, edge: f64) -> f64 {
+    const ROW: u32 = 1024;
+    const ROWS: u32 = 64;
+    let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
+    let mut row = |i: u32| {
+        let mut scene = scene.clone();
+        let camera = scene.camera.as_mut().unwrap();
+        let south = edge * ((f64::from(i) + 0.5) / f64::from(ROWS) - 0.5);
+        (camera.position.z, camera.target.z) = (south, south - 1e-4);
+        camera.projection = Projection::Orthographic { height: edge / f64::from(ROW) };
+        opaque(&draw(&mut renderer, &scene, [ROW, 1], false))
+    };
+    (0..ROWS).map(&mut row).sum::<f64>() / f64::from(ROWS)
+}
+
+/// Share of pixels whose opacity is above a half.
+fn opaque(picture: &Picture) -> f64 {
+    picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() as f64 / picture.pixels.len() as f64
 }
 
 /// An opaque layer from straight above, a period of it.
@@ -109,15 +125,6 @@ fn scene_above(layer: &str, period: f64) -> Scene {
     );
     let opaque = r#""droplets": {"concentration_per_cm3": 2000, "effective_radius_um": 9}"#;
     deck(layer, opaque, &above, HIGH)
-}
-
-/// The same by so many rays along each edge.
-fn covered_of(scene: &Scene, rays: u32) -> f64 {
-    let film = Film::new([rays, rays], 1);
-    let frame = film.frame(scene).unwrap();
-    let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
-    let picture = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
-    picture.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() as f64 / picture.pixels.len() as f64
 }
 
 /// A layer as a picture in a file paints it: white in the north-west, black in the south-east, a ramp between.
@@ -152,7 +159,7 @@ fn a_painted_layer_covers_the_mean_of_its_map_where_it_is_painted() {
     for ending in ["png", "exr"] {
         let (mut scene, mean) = painted(folder.path(), ending);
         if ending == "png" {
-            let share = covered_of(&scene, 256);
+            let share = covered(&scene, 20000.0);
             eprintln!("{share:.4} of {mean:.4}");
             assert!((share - mean).abs() < 0.01, "{share} of {mean}");
         }
@@ -162,7 +169,8 @@ fn a_painted_layer_covers_the_mean_of_its_map_where_it_is_painted() {
             let camera = scene.camera.as_mut().unwrap();
             (camera.position, camera.target) = ([x, 9000.0, z].into(), [x, 0.0, z - 1e-4].into());
             camera.projection = Projection::Orthographic { height: 2500.0 };
-            let drawn = covered_of(&scene, 128);
+            let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
+            let drawn = opaque(&draw(&mut renderer, &scene, [128; 2], false));
             // Paths end where they meet it.
             scene.clouds[0].droplets.albedo = 0.0;
             let frame = Frame::new(&scene, [64, 64]).unwrap();
@@ -213,7 +221,8 @@ fn covered_share_of_the_plan_is_the_coverage() {
     for heaps in [0.0, 1.0] {
         for coverage in [0.15, 0.8] {
             let layer = format!(r#""scale": 700, "heaps": {heaps}, "coverage": {coverage}"#);
-            let share = covered(&layer, 12.0 * 700.0);
+            let period = 12.0 * 700.0;
+            let share = covered(&scene_above(&layer, period), period);
             eprintln!("heaps {heaps}: {share:.4} of {coverage}");
             assert!((share - coverage).abs() < 0.01, "heaps {heaps}: {share} of {coverage}");
         }
