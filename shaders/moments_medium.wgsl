@@ -13,9 +13,10 @@
 // Moments of what is scattered of the light that is given, by light and cell.
 @group(0) @binding(7) var<storage, read_write> given: array<array<vec4f, 4>>;
 
-// Extinction without the forward peak.
+// Extinction without the forward peak, with all its noise: crests are what light falls on, and smoothed to the width of a
+// cell they are gone.
 fn extinction_at(p: vec3f, list: Region, blur: f32) -> f32 {
-    let matter = medium_at(list, p, blur, blur);
+    let matter = medium_at(list, p, 0.0, blur);
     return transported(medium_species(matter.body)) * matter.extinction;
 }
 

@@ -1,6 +1,9 @@
-// From a coarse field to a fine one: the moments of the coarse one are added to those of the fine one,
+// From a coarse field to a fine one: the moments of the coarse one, times a share, are added to those of the fine one,
 // which then scatter, together with the light that is given. One thread a cell and light of the fine one.
 // @use characteristic field harmonics
+
+// How much of the coarse field counts.
+override SHARE: f32 = 1.0;
 
 @group(0) @binding(0) var<uniform> field: Field;
 // Moments of what is scattered of the light that is given, by light and cell.
@@ -39,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let at = id.y * count + id.x;
     var all = interpolated(id.y, id.x);
     for (var i = 0u; i < 4u; i++) {
-        all[i] = moments[at][i] + all[i];
+        all[i] = moments[at][i] + SHARE * all[i];
     }
     moments[at] = all;
     all = harmonics_scattered(all, field.scattering);

@@ -19,9 +19,9 @@ override MAPPED: bool = true;
 // Samples in each voxel of a column.
 const SAMPLES: u32 = 4u;
 
-// Extinction without the forward peak at a point of the box.
+// Extinction without the forward peak at a point of the box, with all its noise.
 fn extinction_at(p: vec3f, own: Region, blur: f32) -> f32 {
-    let matter = medium_at(own, p, 0.5 * box.texel, blur);
+    let matter = medium_at(own, p, 0.0, blur);
     return transported(medium_species(matter.body)) * matter.extinction;
 }
 
@@ -35,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let bricks = light_box_bricks(size);
     let tile = id.y / BRICK * bricks.x + id.x / BRICK;
     let step = box.length / f32(size.z * SAMPLES);
-    let blur = 2.0 * step;
+    let blur = step;
     var optical_depth = 0.0;
     var front = 0.0;
     var back = 0.0;

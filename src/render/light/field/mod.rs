@@ -42,6 +42,10 @@ pub(super) use quadrature::{DIRECTIONS, levels};
 use solver::Solver;
 pub(super) use view::{Eyes, SolvedLight, eye_of};
 
+/// Share of the difference between a field and that of twice its cells' width that comes on top of the finer one: what
+/// errors of second order ask for (Richardson 1911).
+const BEYOND: f64 = 1.0 / 3.0;
+
 /// What light is solved for in, and on how many cells along the longest axis.
 #[derive(Clone, PartialEq)]
 pub(super) struct FieldKey {
@@ -72,9 +76,11 @@ pub(super) struct FieldPass {
     /// Of light from outside, and from a ball within.
     sweep: [ComputeProgram; 2],
     scatter: ComputeProgram,
-    prolong: ComputeProgram,
+    /// Of whole corrections and of stretched ones.
+    prolong: [ComputeProgram; 2],
     restrict: ComputeProgram,
-    keep: ComputeProgram,
+    /// Of the coarsest field, and of one that stands on a coarser.
+    keep: [ComputeProgram; 2],
     /// Of red, green and blue, and of the sun.
     view: [ComputeProgram; 2],
     /// The same of layers.
@@ -111,9 +117,9 @@ impl FieldPass {
             media: HashMap::new(),
             sweep: [false, true].map(|flash| program("moments_sweep", &[("FLASH", flag(flash))])),
             scatter: program("moments_scatter", &[]),
-            prolong: program("moments_prolong", &[]),
+            prolong: [1.0, solver::STRETCH].map(|share| program("moments_prolong", &[("SHARE", share)])),
             restrict: program("moments_restrict", &[]),
-            keep: program("moments_keep", &[]),
+            keep: [0.0, BEYOND].map(|beyond| program("moments_keep", &[("BEYOND", beyond)])),
             view: [false, true].map(|sun| program("moments_view", &[("SUN", flag(sun))])),
             tile: [false, true].map(|sun| program("moments_tile", &[("SUN", flag(sun))])),
             sky: None,

@@ -16,6 +16,7 @@ use super::{
     levels::{Level, cells, sizes},
     quadrature::{DIRECTIONS, patches},
     rounds::{one_round, relaxations, repeats},
+    view::Kept,
 };
 use crate::{
     frame::medium::Species,
@@ -34,6 +35,10 @@ const CYCLES: usize = 2;
 /// Cells along the longest axis of grids on which what comes after is followed twice, for it costs little;
 /// on finer ones it is where clouds are thick.
 const CHEAP: u32 = 16;
+
+/// How far a correction from coarser grids goes in thick clouds: cells of more than an optical depth let too much light
+/// through, so that what they answer is too little. Two cycles of it end where three or four whole ones would.
+pub(super) const STRETCH: f64 = 1.5;
 
 /// Of one solution.
 pub(super) struct Solver<'a> {
@@ -72,8 +77,8 @@ struct Stage {
     sweep: [wgpu::BindGroup; 2],
     /// By relaxation.
     scatter: Vec<wgpu::BindGroup>,
-    /// From the level before (of one dark cell, where this is the first), and back to it.
-    prolong: wgpu::BindGroup,
+    /// From the level before (of one dark cell, where this is the first), whole and stretched, and back to it.
+    prolong: [wgpu::BindGroup; 2],
     restrict: Option<wgpu::BindGroup>,
 }
 
@@ -93,13 +98,21 @@ impl Solver<'_> {
             let stage = self.stage(level, stages.last());
             stages.push(stage);
         }
-        for top in 0..stages.len() {
-            self.prolong(pass, &stages[top]);
-            for _ in 0..CYCLES {
-                self.cycle(pass, &stages[..=top], true, repeats);
-            }
+        let top = stages.len() - 1;
+        for number in 0..top {
+            self.climb(pass, &stages[..=number], repeats);
         }
-        self.keep(pass, &stages[stages.len() - 1].level)
+        let coarse = top.checked_sub(1).map(|before| self.keep(pass, &stages[before].level, None).kept());
+        self.climb(pass, &stages, repeats);
+        self.keep(pass, &stages[top].level, coarse)
+    }
+
+    /// Begins on the last of `stages` with what the one before it ended with, and comes near to its solution.
+    fn climb(&self, pass: &mut Pass<'_>, stages: &[Stage], repeats: usize) {
+        self.prolong(pass, &stages[stages.len() - 1], false);
+        for _ in 0..CYCLES {
+            self.cycle(pass, stages, true, repeats);
+        }
     }
 
     /// One round on the last of `stages`, and what comes after it on those before.
@@ -113,7 +126,7 @@ impl Solver<'_> {
         for _ in 0..visits {
             self.cycle(pass, before, false, repeats);
         }
-        self.prolong(pass, stage);
+        self.prolong(pass, stage, repeats > 1);
     }
 
     /// All rounds that the coarsest stage takes.
@@ -136,9 +149,10 @@ impl Solver<'_> {
         &self.pass.sweep[usize::from(self.flash.w > 0.0)]
     }
 
-    /// What was found on the stage before comes on top.
-    fn prolong(&self, pass: &mut Pass<'_>, stage: &Stage) {
-        self.over_cells(pass, &self.pass.prolong, &stage.level, &stage.prolong);
+    /// What was found on the stage before comes on top, whole or stretched.
+    fn prolong(&self, pass: &mut Pass<'_>, stage: &Stage, stretched: bool) {
+        let kind = usize::from(stretched);
+        self.over_cells(pass, &self.pass.prolong[kind], &stage.level, &stage.prolong[kind]);
     }
 
     /// What the last round changed is given to the stage before.
@@ -192,7 +206,7 @@ impl Solver<'_> {
             let Level { buffer, given, moments, .. } = &level;
             let coarse = [&coarse.buffer, &coarse.moments];
             let buffers = [buffer, given, &self.directions, moments, source, coarse[0], coarse[1]];
-            bind(&self.pass.prolong, &buffers)
+            self.pass.prolong.each_ref().map(|program| bind(program, &buffers))
         };
         let restrict = before.map(|Stage { level: coarse, .. }| {
             let Level { buffer, given, moments, .. } = coarse;
@@ -274,14 +288,18 @@ impl Solver<'_> {
         program.record_over(pass, &[&group, medium], [cells(&level.uniform), 1, 1]);
     }
 
-    /// Keeps the solution.
-    fn keep(&self, pass: &mut Pass<'_>, level: &Level) -> SolvedLight {
+    /// Keeps the solution; `coarse` is what was kept on the grid of twice the cells' width.
+    fn keep(&self, pass: &mut Pass<'_>, level: &Level, coarse: Option<Kept>) -> SolvedLight {
         let device = self.inputs.device;
         let solved = SolvedLight::new(device, level, self.lights);
         let degrees = gpu::uniform_buffer(device, "degrees", &self.species.beyond_ahead());
-        let buffers = [&level.buffer, &level.moments, &degrees, &solved.kept];
-        let group = self.pass.keep.bind(device, &buffers.map(|buffer| Some(buffer.as_entire_binding())));
-        self.over_cells(pass, &self.pass.keep, level, &group);
+        let program = &self.pass.keep[usize::from(coarse.is_some())];
+        let coarse = coarse.unwrap_or_else(|| {
+            SolvedLight::new(device, &Level::new(device, self.uniform(1)), self.lights).kept()
+        });
+        let buffers = [&level.buffer, &level.moments, &degrees, &solved.kept, &coarse.field, &coarse.moments];
+        let group = program.bind(device, &buffers.map(|buffer| Some(buffer.as_entire_binding())));
+        self.over_cells(pass, program, level, &group);
         solved
     }
 }

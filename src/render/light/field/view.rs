@@ -33,6 +33,12 @@ fn texels(level: &Level, lights: Lights) -> [u32; 3] {
     [size.x + 2, stacked * size.y, size.z + 2]
 }
 
+/// Moments of what each cell of a field scatters, half floats, with the field's buffer.
+pub(super) struct Kept {
+    pub field: wgpu::Buffer,
+    pub moments: wgpu::Buffer,
+}
+
 /// The solution for one light, or for red, green and blue.
 pub(in crate::render::light) struct SolvedLight {
     lights: Lights,
@@ -62,6 +68,10 @@ impl SolvedLight {
             eye: None,
             bound: None,
         }
+    }
+
+    pub(super) fn kept(&self) -> Kept {
+        Kept { field: self.field.clone(), moments: self.kept.clone() }
     }
 
     /// Memory that it takes, bytes.
