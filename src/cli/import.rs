@@ -7,20 +7,24 @@ use glam::DVec3;
 
 use super::{
     numbers::{above_zero, numbers},
+    sequence::frames::rate,
     terminal,
 };
 use crate::{
     Error, Result,
     import::{Choice, Found, Raw, choose, found_in, species_of},
-    scene::{Brick, Cloud, Droplets, Endian, Grid, Scene, Up, Volume},
+    numbered::stem,
+    scene::{Brick, Cloud, Droplets, Endian, Grid, Scene, Sequence, Timeline, Up, Volume},
 };
 
 /// Tell what is in a volume's file, and make a scene of it.
 ///
-/// OpenVDB (.vdb), Mitsuba's .vol, output of the weather model WRF (NetCDF), or a brick of floats whose --size you give.
+/// OpenVDB (.vdb), Mitsuba's .vol, output of the weather model WRF (NetCDF), or a brick of floats whose --size you give; one file
+/// or a sequence of them, such as "storm.####.vdb".
 #[derive(Debug, Args)]
 pub struct Import {
-    /// Volume: .vdb, .vol, .nc, or floats.
+    /// Volume: .vdb, .vol, .nc, or floats. Of a sequence the number of a step stands for the hashes of "storm.####.vdb", for
+    /// `%04d` or for `$F4`.
     file: PathBuf,
     /// Scene file to write; nothing is written where left out.
     #[arg(short, long, value_name = "FILE")]
@@ -47,6 +51,12 @@ pub struct Import {
     /// Which of its times, where a file holds several: 0 is the first.
     #[arg(long, value_name = "N", default_value_t = 0)]
     step: u32,
+    /// Go through all times of a file that holds several.
+    #[arg(long, conflicts_with = "step")]
+    times: bool,
+    /// Steps of a sequence per second; where left out, 24.
+    #[arg(long, value_name = "N", value_parser = rate)]
+    fps: Option<f64>,
     /// Voxels along x, y and z of a file that holds nothing but floats, x fastest.
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>)]
     size: Option<[f64; 3]>,
@@ -82,8 +92,12 @@ impl Import {
             big_endian: self.endian == ByteOrder::Big,
             voxel: brick.voxel.into(),
         });
-        let found = found_in(&self.file, &Choice { grid: None, raw, step: self.step })?;
+        let (file, steps) = self.volume_in(Path::new(""), brick.as_ref()).first_file(Path::new(""))?;
+        let found = found_in(&file, &Choice { grid: None, raw, step: self.step })?;
         terminal::print(&self.told(&found))?;
+        if let Some((first, last, count)) = steps {
+            terminal::print(&format!("  {count} steps, {first} to {last}; what is told is of {first}\n"))?;
+        }
         let Some(output) = &self.output else { return Ok(()) };
         let chosen = if self.kinds {
             self.kinds_of(found)?
@@ -144,7 +158,7 @@ impl Import {
     }
 
     fn scene(&self, output: &Path, grids: Vec<Grid>, raw: Option<&Brick>) -> Result<Scene> {
-        let name = self.file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let name = stem(&self.file);
         let clouds = grids.into_iter().map(|grid| {
             let called = if self.kinds { grid.name.clone() } else { name.clone() };
             let species = species_of(&grid.name);
@@ -155,7 +169,9 @@ impl Import {
             Ok(cloud)
         });
         let clouds = clouds.collect::<Result<Vec<_>>>()?;
-        let scene = Scene { name, clouds, ..Scene::default() };
+        let length = clouds.iter().filter_map(|cloud| cloud.volume.as_ref()).find_map(Volume::length);
+        let timeline = length.map(|length| Timeline { length, ..Timeline::default() });
+        let scene = Scene { name, clouds, timeline, ..Scene::default() };
         scene.validate().map_err(|error| {
             Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
         })?;
@@ -165,9 +181,19 @@ impl Import {
     fn volume(&self, output: &Path, grid: &Grid, raw: Option<&Brick>) -> Result<Volume> {
         let folder = output.parent().unwrap_or(Path::new(""));
         let mut volume = Volume {
-            file: Volume::path_from(folder, &self.file),
             grid: Some(grid.name.clone()).filter(|_| raw.is_none()),
             extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(grid)),
+            ..self.volume_in(folder, raw)
+        };
+        volume.read(folder)?;
+        Ok(volume)
+    }
+
+    /// The volume for a scene in `folder`, but for what its grid tells.
+    fn volume_in(&self, folder: &Path, raw: Option<&Brick>) -> Volume {
+        let sequence = Sequence { fps: self.fps, ..Sequence::default() };
+        Volume {
+            file: Volume::path_from(folder, &self.file),
             scale: self.scale,
             up: match self.up {
                 Some(UpAxis::Y) => Up::Y,
@@ -176,11 +202,10 @@ impl Import {
             },
             step: self.step,
             place: self.at.map_or(DVec3::ZERO, DVec3::from),
+            sequence: Some(sequence).filter(|_| self.times || self.fps.is_some()),
             raw: raw.cloned(),
             ..Volume::default()
-        };
-        volume.read(folder)?;
-        Ok(volume)
+        }
     }
 }
 

@@ -193,8 +193,8 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);
             frames.push(CloudFrame { origin, half, medium, number });
         }
-        if let Some(volume) = cloud.volume.as_ref().filter(|volume| volume.read_grid().is_none()) {
-            return Err(volume.unread());
+        if let Some(volume) = &cloud.volume {
+            volume.grid()?;
         }
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);

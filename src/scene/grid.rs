@@ -124,6 +124,12 @@ impl Grid {
         Self::new(name, String::new(), place, blocks.collect())
     }
 
+    /// The same without its values: what is told of it.
+    #[must_use]
+    pub fn outline(&self) -> Self {
+        Self { blocks: Vec::new(), name: self.name.clone(), quantity: self.quantity.clone(), ..*self }
+    }
+
     /// FNV-1a over its numbers.
     fn fingerprinted(&self) -> u64 {
         let place = self.place.to_cols_array().into_iter().map(f64::to_bits);

@@ -23,7 +23,9 @@ mod movement;
 mod noise;
 mod particles;
 mod presets;
+mod sequence;
 mod sky;
+mod steps;
 mod sun;
 pub mod timeline;
 mod tone;
@@ -57,6 +59,7 @@ pub use particles::{Habit, Species};
 #[cfg(feature = "measure")]
 pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};
+pub use sequence::{Beyond, Sequence};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use timeline::Timeline;

@@ -15,6 +15,8 @@ mod presets;
 mod readers;
 mod scene;
 mod scene_geometry;
+#[cfg(feature = "import")]
+mod sequences;
 mod shaders;
 mod slab;
 mod slab_tables;

@@ -3,7 +3,9 @@
 mod column;
 mod wrf;
 
-use netcdf_reader::{NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem};
+use std::{path::Path, sync::Arc};
+
+use netcdf_reader::{FileStorage, NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem};
 
 use super::{bytes::Problem, volume::Found};
 use crate::scene::{Grid, Species};
@@ -22,11 +24,35 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
     HEADS.iter().any(|head| bytes.starts_with(head))
 }
 
+/// Opens a file, of which only what is asked for is read.
+pub(super) fn open(path: &Path) -> Result<NcFile, Problem> {
+    let storage = FileStorage::open(path).map_err(unreadable)?;
+    NcFile::from_storage_with_options(Arc::new(storage), options()).map_err(unreadable)
+}
+
+/// Opens the bytes of a file.
+pub(super) fn open_bytes(bytes: &[u8]) -> Result<NcFile, Problem> {
+    NcFile::from_bytes_with_options(bytes, options()).map_err(unreadable)
+}
+
+fn options() -> NcOpenOptions {
+    NcOpenOptions { max_read_bytes: MOST_BYTES, ..Default::default() }
+}
+
+fn unreadable(error: impl std::fmt::Display) -> Problem {
+    format!("is no NetCDF file that can be read ({error}): copy or write it again")
+}
+
+/// How many times there are.
+pub(super) fn times(file: &NcFile) -> Result<i32, Problem> {
+    let variables = wrf::KINDS.iter().filter_map(|(name, ..)| file.variable(name).ok());
+    let times = variables.filter_map(|variable| variable.shape().first().copied()).next();
+    let times = times.and_then(|times| i32::try_from(times).ok());
+    times.ok_or_else(|| "holds no water by WRF's names, and so no times: leave out `sequence`".to_owned())
+}
+
 /// The water at the time `step` (0 is the first): all of it, as `density`, and each kind.
-pub(super) fn read(bytes: &[u8], step: u32) -> Result<Vec<Found>, Problem> {
-    let options = NcOpenOptions { max_read_bytes: MOST_BYTES, ..Default::default() };
-    let file = NcFile::from_bytes_with_options(bytes, options)
-        .map_err(|error| format!("is no NetCDF file that can be read ({error}): copy or write it again"))?;
+pub(super) fn read(file: NcFile, step: u32) -> Result<Vec<Found>, Problem> {
     let weather = wrf::Weather::read(&Source { file, step })?;
     let mut found: Vec<Found> = Vec::new();
     for kind in weather.kinds() {
