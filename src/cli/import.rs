@@ -14,7 +14,7 @@ use crate::{
     Error, Result,
     import::{Choice, Found, Raw, choose, found_in, species_of},
     numbered::stem,
-    scene::{Brick, Cloud, Droplets, Endian, Grid, Scene, Sequence, Timeline, Up, Volume},
+    scene::{Brick, Cloud, Droplets, Endian, Grid, Scene, Sequence, Species, Timeline, Up, Volume},
 };
 
 /// Tell what is in a volume's file, and make a scene of it.
@@ -35,6 +35,10 @@ pub struct Import {
     /// A cloud for each kind of water of a weather model: droplets, rain, ice, snow and graupel each scatter as they do.
     #[arg(long, conflicts_with = "grid")]
     kinds: bool,
+    /// A cloud of this variable over height, y and x of a NetCDF file, and what it is of: "ql", "qi=ice"; water, rain, ice, snow
+    /// or graupel, water where left out. Give it once for each.
+    #[arg(long, value_name = "NAME[=SPECIES]", value_parser = field, conflicts_with_all = ["grid", "kinds"])]
+    field: Vec<Field>,
     /// Extinction where the grid is 1, per metre; where left out, 1 for values that are extinctions, and that of
     /// droplets for those without a unit.
     #[arg(long, value_name = "PER_METRE", value_parser = above_zero)]
@@ -68,6 +72,23 @@ pub struct Import {
     voxel: Option<[f64; 3]>,
 }
 
+/// A variable, and what it is of.
+#[derive(Debug, Clone, PartialEq)]
+struct Field {
+    name: String,
+    species: Species,
+}
+
+fn field(text: &str) -> std::result::Result<Field, String> {
+    let (name, species) = text.split_once('=').unwrap_or((text, Species::Water.name()));
+    let known = [Species::Water, Species::Rain, Species::Ice, Species::Snow, Species::Graupel];
+    let found = known.into_iter().find(|known| known.name() == species);
+    match found {
+        Some(species) if !name.is_empty() => Ok(Field { name: name.to_owned(), species }),
+        _ => Err(format!("give a name and one of {}, such as qi=ice", known.map(Species::name).join(", "))),
+    }
+}
+
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum UpAxis {
     Y,
@@ -99,11 +120,13 @@ impl Import {
             terminal::print(&format!("  {count} steps, {first} to {last}; what is told is of {first}\n"))?;
         }
         let Some(output) = &self.output else { return Ok(()) };
-        let chosen = if self.kinds {
-            self.kinds_of(found)?
-        } else {
-            let one = choose(found, self.grid.as_deref());
-            vec![one.map_err(|problem| Error::Format { path: self.file.clone(), problem })?]
+        let chosen = match (self.kinds, self.field.is_empty()) {
+            (true, _) => self.kinds_of(found)?,
+            (false, true) => vec![self.chosen(&found, self.grid.as_deref())?],
+            (false, false) => {
+                let named = self.field.iter().map(|field| self.chosen(&found, Some(&field.name)));
+                named.collect::<Result<Vec<_>>>()?
+            }
         };
         let scene = self.scene(output, chosen, brick.as_ref())?;
         scene.save(output)?;
@@ -128,6 +151,20 @@ impl Import {
         };
         let size = size.map(|n| n as u32);
         Ok(Some(Brick { size, endian, voxel: self.voxel.unwrap_or([1.0; 3]) }))
+    }
+
+    fn chosen(&self, found: &[Found], name: Option<&str>) -> Result<Grid> {
+        choose(found.to_vec(), name).map_err(|problem| Error::Format { path: self.file.clone(), problem })
+    }
+
+    /// What a grid is of, and the effective radius of its particles, um: as it was said, or as its name tells.
+    fn species(&self, grid: &Grid) -> Option<(Species, f64)> {
+        let said = self.field.iter().find(|field| field.name == grid.name).map(|field| field.species);
+        let known = species_of(&grid.name);
+        let usual = |species: Species| {
+            known.filter(|(own, _)| *own == species).unwrap_or((species, species.usual_radius_um()))
+        };
+        said.map(usual).or(known)
     }
 
     /// A line a grid.
@@ -160,8 +197,9 @@ impl Import {
     fn scene(&self, output: &Path, grids: Vec<Grid>, raw: Option<&Brick>) -> Result<Scene> {
         let name = stem(&self.file);
         let clouds = grids.into_iter().map(|grid| {
-            let called = if self.kinds { grid.name.clone() } else { name.clone() };
-            let species = species_of(&grid.name);
+            let is_alone = !self.kinds && self.field.len() < 2;
+            let called = if is_alone { name.clone() } else { grid.name.clone() };
+            let species = self.species(&grid);
             let mut cloud = Cloud::of_volume(&called, self.volume(output, &grid, raw)?);
             if let Some((species, effective_radius_um)) = species {
                 cloud.droplets = Droplets { species, effective_radius_um, ..Droplets::default() };
@@ -182,11 +220,18 @@ impl Import {
         let folder = output.parent().unwrap_or(Path::new(""));
         let mut volume = Volume {
             grid: Some(grid.name.clone()).filter(|_| raw.is_none()),
-            extinction: self.extinction.unwrap_or_else(|| Volume::usual_extinction(grid)),
+            extinction: self.extinction.unwrap_or_else(|| self.usual_extinction(grid)),
             ..self.volume_in(folder, raw)
         };
         volume.read(folder)?;
         Ok(volume)
+    }
+
+    fn usual_extinction(&self, grid: &Grid) -> f64 {
+        match self.species(grid) {
+            Some((species, _)) if grid.quantity.contains("mass") => Volume::extinction_of_mass(species),
+            _ => Volume::usual_extinction(grid),
+        }
     }
 
     /// The volume for a scene in `folder`, but for what its grid tells.

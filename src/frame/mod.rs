@@ -70,7 +70,7 @@ impl Frame {
     /// `scene` at its own time, for a picture of `size` pixels.
     ///
     /// # Errors
-    /// Where a value of the scene is out of its range, or `size` has a zero.
+    /// Where a value of the scene is out of its range, a step of a volume can't be read, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
         let mut moved = scene.at(scene.time)?;
         let camera = moved.camera();

@@ -20,4 +20,4 @@ pub use mesh::{Mesh, read_mesh};
 pub use netcdf::species_of;
 pub use raw::Raw;
 pub use volume::{Choice, Found, choose, found_in, parse_volume, read_volume};
-pub(crate) use volume::times_in;
+pub(crate) use volume::{times_in, velocity_in};

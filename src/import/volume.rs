@@ -12,7 +12,10 @@ use super::{
     raw::{self, Raw},
     vdb, vol,
 };
-use crate::{Error, Result, scene::Grid};
+use crate::{
+    Error, Result,
+    scene::{Grid, Velocity},
+};
 
 /// A grid in a file.
 #[derive(Debug, Clone)]
@@ -39,7 +42,7 @@ pub struct Choice<'a> {
 /// Name of the grid that is taken where none is named and there are several.
 const USUAL: &str = "density";
 
-/// All grids of a volume's file, whichever is chosen: OpenVDB, Mitsuba's .vol, NetCDF of WRF, or floats.
+/// All grids of a volume's file, whichever is chosen: OpenVDB, Mitsuba's .vol, NetCDF, or floats.
 ///
 /// # Errors
 /// [`Error::File`] and [`Error::Format`] where it can't be read or is no volume.
@@ -54,6 +57,17 @@ pub fn found_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
 pub fn read_volume(path: &Path, choice: &Choice<'_>) -> Result<Grid> {
     choose(all_in(path, choice)?, choice.grid)
         .map_err(|problem| Error::Format { path: path.to_owned(), problem })
+}
+
+/// How fast what is in a volume's file goes, where that tells it: OpenVDB with a grid `vel`, `v` or `velocity`.
+///
+/// # Errors
+/// [`Error::File`] and [`Error::Format`] where it can't be read.
+pub(crate) fn velocity_in(path: &Path) -> Result<Option<Velocity>> {
+    if !vdb::is_one(&head(path)?) {
+        return Ok(None);
+    }
+    vdb::velocity(&content(path)?).map_err(|problem| Error::Format { path: path.to_owned(), problem })
 }
 
 /// How many times a volume's file holds.
@@ -72,7 +86,7 @@ pub(crate) fn times_in(path: &Path) -> Result<i32> {
 fn all_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
     let found = match choice.raw.is_none() && netcdf::is_one(&head(path)?) {
         // Of a file of many times only one is read.
-        true => netcdf::open(path).and_then(|file| netcdf::read(file, choice.step)),
+        true => netcdf::open(path).and_then(|file| netcdf::read(file, choice.step, choice.grid)),
         false => all(&content(path)?, choice),
     };
     found.map_err(|problem| Error::Format { path: path.to_owned(), problem })
@@ -126,7 +140,7 @@ fn all(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Vec<Found>, Pro
         return vol::read(bytes).map(alone);
     }
     if netcdf::is_one(bytes) {
-        return netcdf::read(netcdf::open_bytes(bytes)?, choice.step);
+        return netcdf::read(netcdf::open_bytes(bytes)?, choice.step, choice.grid);
     }
     Err("is no volume that is read: give OpenVDB (.vdb), Mitsuba's .vol, NetCDF, or floats with their `raw` size".to_owned())
 }

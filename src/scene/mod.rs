@@ -13,6 +13,7 @@ mod ellipsoid;
 mod evaporation;
 mod explain;
 mod file;
+mod flow;
 mod grid;
 mod growth;
 mod layer;
@@ -48,6 +49,8 @@ pub use edge::Edge;
 pub use ellipsoid::Ellipsoid;
 pub use evaporation::Evaporation;
 pub use file::schema;
+#[cfg_attr(not(feature = "import"), allow(unused_imports, reason = "readers make it"))]
+pub(crate) use flow::Velocity;
 pub use grid::{Grid, MOST_ALONG};
 pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
@@ -59,7 +62,7 @@ pub use particles::{Habit, Species};
 #[cfg(feature = "measure")]
 pub(crate) use presets::smooth::Smooth;
 pub use presets::{Heaps, Preset};
-pub use sequence::{Beyond, Sequence};
+pub use sequence::{Between, Beyond, Sequence};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use timeline::Timeline;

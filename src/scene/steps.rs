@@ -4,19 +4,25 @@
 use std::{
     fs,
     path::{Path, PathBuf},
-    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError},
     thread,
     time::UNIX_EPOCH,
 };
 
+use super::flow::{self, End, Motion, Velocity};
+use super::grid::fingerprint;
+use super::sequence::{Between, Mix, Shown, Way};
 use super::{Grid, Opened, Volume};
 use crate::{
     Error, Result,
     numbered::{Pattern, Unfit},
 };
 
-/// Most steps in memory: one that is seen, the next one, and the one before, which motion blur goes back to.
+/// Most steps in memory: one that is seen or two that are blended, and the next one or that before, which motion blur
+/// goes back to.
 const MOST: usize = 3;
+/// Most blends of steps in memory.
+const MOST_MIXED: usize = 2;
 /// Most numbers of steps that a sentence tells.
 const TOLD: usize = 6;
 
@@ -29,8 +35,18 @@ pub(super) struct Steps {
     source: Source,
     /// Of those that there are, least first.
     numbers: Vec<i32>,
+    /// Whether velocities are wanted of files that have them, and whether the first one has.
+    wants_velocities: bool,
+    velocities: OnceLock<bool>,
     shelf: Mutex<Shelf>,
     news: Condvar,
+}
+
+/// A step that was read.
+#[derive(Debug, Clone)]
+struct Step {
+    grid: Arc<Grid>,
+    velocity: Option<Arc<Velocity>>,
 }
 
 /// Where steps are.
@@ -45,6 +61,8 @@ enum Source {
 #[derive(Debug, Default)]
 struct Shelf {
     kept: Vec<Kept>,
+    /// Blends of two steps, the latest in front.
+    mixed: Vec<(Shown, Arc<Grid>)>,
     /// The step that was asked for last.
     last: Option<i32>,
 }
@@ -55,7 +73,7 @@ struct Kept {
     /// Whether anybody asked for it.
     asked: bool,
     /// None while it is read.
-    grid: Option<Arc<Grid>>,
+    step: Option<Step>,
 }
 
 impl Steps {
@@ -92,9 +110,21 @@ impl Steps {
             return Err(refused("names a sequence, and there is no file of it: check its folder, and how many digits its numbers \
                                 have".to_owned()));
         }
+        let sequence = volume.sequence.clone().unwrap_or_default();
+        let wants_velocities =
+            matches!(sequence.between, Between::Auto | Between::Flow) && sequence.velocity.is_none();
         let volume = Volume { sequence: None, opened: Opened::default(), ..volume.clone() };
-        let (shelf, news) = (Mutex::default(), Condvar::new());
-        Ok(Some(Self { volume, folder: folder.to_owned(), source, numbers, shelf, news }))
+        let (velocities, shelf, news) = (OnceLock::new(), Mutex::default(), Condvar::new());
+        Ok(Some(Self {
+            volume,
+            folder: folder.to_owned(),
+            source,
+            numbers,
+            wants_velocities,
+            velocities,
+            shelf,
+            news,
+        }))
     }
 
     /// The least and the greatest number.
@@ -141,23 +171,75 @@ impl Steps {
         }
     }
 
-    /// Its step `number`: at once where it was asked for lately, or read ahead.
+    /// Whether its files tell how fast matter goes, as far as the first one says.
+    pub fn has_velocities(&self) -> bool {
+        let first = || {
+            self.still(self.ends()[0])
+                .is_ok_and(|still| self.velocity_of(&still).is_ok_and(|found| found.is_some()))
+        };
+        *self.velocities.get_or_init(first)
+    }
+
+    /// What is there of it: at once where its steps were asked for lately, or read ahead.
     ///
     /// # Errors
-    /// Where its file can't be read or has no such grid.
-    pub fn read(self: &Arc<Self>, number: i32) -> Result<Arc<Grid>> {
-        let (grid, before) = self.get(number)?;
-        let ahead = before.and_then(|before| number.checked_add(number.checked_sub(before)?));
-        if let Some(ahead) =
-            ahead.filter(|ahead| *ahead != number && self.numbers.binary_search(ahead).is_ok())
-        {
-            self.read_ahead(ahead);
+    /// Where a file can't be read or has no such grid.
+    pub fn show(self: &Arc<Self>, shown: &Shown) -> Result<Arc<Grid>> {
+        match &shown.mix {
+            None => Ok(self.one(shown.number)?.grid),
+            Some(mix) => self.mixed(shown, mix),
         }
+    }
+
+    fn one(self: &Arc<Self>, number: i32) -> Result<Step> {
+        let (step, before) = self.get(number)?;
+        self.read_ahead(before.and_then(|before| number.checked_add(number.checked_sub(before)?)));
+        Ok(step)
+    }
+
+    /// What is between two steps, of which the one that is new tells where to read ahead.
+    fn mixed(self: &Arc<Self>, shown: &Shown, mix: &Mix) -> Result<Arc<Grid>> {
+        if let Some((_, grid)) = self.shelf().mixed.iter().find(|(known, _)| known == shown) {
+            return Ok(grid.clone());
+        }
+        let ((from, before_from), (to, before_to)) = (self.get(shown.number)?, self.get(mix.next)?);
+        let apart = mix.next.checked_sub(shown.number);
+        self.read_ahead(match (before_from, before_to) {
+            (None, Some(_)) => apart.and_then(|apart| mix.next.checked_add(apart)),
+            (Some(_), None) => apart.and_then(|apart| shown.number.checked_sub(apart)),
+            _ => None,
+        });
+        let motions = [self.motion(shown.number, &from, mix)?, self.motion(mix.next, &to, mix)?];
+        let [from, to] =
+            [(&from, &motions[0]), (&to, &motions[1])].map(|(step, motion)| End { grid: &step.grid, motion });
+        let grid = flow::between(&from, &to, mix.share).map(Arc::new).map_err(|problem| Error::Format {
+            path: self.folder.join(&self.volume.file),
+            problem: format!("{problem} (between the steps {} and {})", shown.number, mix.next),
+        })?;
+        let mut shelf = self.shelf();
+        shelf.mixed.insert(0, (*shown, grid.clone()));
+        shelf.mixed.truncate(MOST_MIXED);
         Ok(grid)
     }
 
+    /// How the matter of a step goes.
+    fn motion(&self, number: i32, step: &Step, mix: &Mix) -> Result<Motion> {
+        let seconds = match mix.way {
+            Way::Even(way) => return Ok(Motion::Even(way)),
+            Way::Told(seconds) => seconds,
+        };
+        let still = self.still(number).map_err(Error::Argument)?;
+        let read = || self.velocity_of(&still).map(|found| found.map(Arc::new));
+        let found = step.velocity.clone().map_or_else(read, |velocity| Ok(Some(velocity)))?;
+        let velocity = found.ok_or_else(|| Error::Format {
+            path: self.folder.join(&still.file),
+            problem: "has no grid of velocities, and the first step has one: export it with that, or choose `between`".to_owned(),
+        })?;
+        Ok(Motion::of(&velocity, &step.grid, seconds))
+    }
+
     /// Step `number`, and the one that was asked for before, where this one was not asked for lately.
-    fn get(&self, number: i32) -> Result<(Arc<Grid>, Option<i32>)> {
+    fn get(&self, number: i32) -> Result<(Step, Option<i32>)> {
         let mut shelf = self.shelf();
         while let Some(place) = shelf.place(number) {
             if let Some(found) = shelf.ask(place) {
@@ -165,19 +247,20 @@ impl Steps {
             }
             shelf = self.news.wait(shelf).unwrap_or_else(PoisonError::into_inner);
         }
-        shelf.keep(Kept { number, asked: true, grid: None }, 0);
+        shelf.keep(Kept { number, asked: true, step: None }, 0);
         let before = shelf.last.replace(number);
         drop(shelf);
         Ok((self.fill(number)?, before))
     }
 
-    /// Reads a step that is soon asked for, on a thread of its own.
-    fn read_ahead(self: &Arc<Self>, number: i32) {
+    /// Reads a step that is soon asked for, where there is one of that number, on a thread of its own.
+    fn read_ahead(self: &Arc<Self>, number: Option<i32>) {
+        let Some(number) = number.filter(|number| self.numbers.binary_search(number).is_ok()) else { return };
         let mut shelf = self.shelf();
         if shelf.place(number).is_some() {
             return;
         }
-        shelf.keep(Kept { number, asked: false, grid: None }, 1);
+        shelf.keep(Kept { number, asked: false, step: None }, 1);
         drop(shelf);
         let steps = self.clone();
         // What goes wrong is told when it is asked for.
@@ -188,25 +271,49 @@ impl Steps {
     }
 
     /// Reads a step into its place, or gives that up.
-    fn fill(&self, number: i32) -> Result<Arc<Grid>> {
+    fn fill(&self, number: i32) -> Result<Step> {
         let _given_up = GivenUp(self, number);
         let still = self.still(number).map_err(Error::Argument)?;
         let grid = Arc::new(still.grid_in(&self.folder.join(&still.file))?);
+        let velocity = match self.wants_velocities && self.has_velocities() {
+            true => self.velocity_of(&still)?.map(Arc::new),
+            false => None,
+        };
+        let step = Step { grid, velocity };
         let mut shelf = self.shelf();
         if let Some(place) = shelf.place(number) {
-            shelf.kept[place].grid = Some(grid.clone());
+            shelf.kept[place].step = Some(step.clone());
         }
-        Ok(grid)
+        Ok(step)
     }
 
-    /// Differs where what is in the file of a step does: of its size and of when it was written, so that nobody need
-    /// read it.
-    pub fn fingerprint(&self, number: i32) -> u64 {
-        let path = self.still(number).map(|still| self.folder.join(still.file));
-        let about = path.ok().and_then(|path| fs::metadata(path).ok());
-        let written = about.as_ref().and_then(|about| about.modified().ok()?.duration_since(UNIX_EPOCH).ok());
-        let size = about.map_or(0, |about| about.len());
-        written.map_or(0, |written| written.as_nanos() as u64).rotate_left(32) ^ size
+    /// Velocities in the file of a step.
+    fn velocity_of(&self, still: &Volume) -> Result<Option<Velocity>> {
+        match &self.source {
+            Source::Files(_) if still.raw.is_none() => velocity_in(&self.folder.join(&still.file)),
+            _ => Ok(None),
+        }
+    }
+
+    /// Differs where what there is differs: of the size of files and of when they were written, so that nobody need read them.
+    pub fn fingerprint(&self, shown: &Shown) -> u64 {
+        let about = |number: i32| {
+            let path = self.still(number).map(|still| self.folder.join(still.file));
+            let about = path.ok().and_then(|path| fs::metadata(path).ok());
+            let written =
+                about.as_ref().and_then(|about| about.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+            [about.map_or(0, |about| about.len()), written.map_or(0, |written| written.as_nanos() as u64)]
+        };
+        let mut words = about(shown.number).to_vec();
+        if let Some(Mix { next, share, way }) = &shown.mix {
+            words.extend(about(*next));
+            words.push(share.to_bits());
+            words.extend(match way {
+                Way::Even(way) => way.to_array().map(f64::to_bits).to_vec(),
+                Way::Told(seconds) => vec![seconds.to_bits()],
+            });
+        }
+        fingerprint(words)
     }
 
     fn shelf(&self) -> MutexGuard<'_, Shelf> {
@@ -220,13 +327,13 @@ impl Shelf {
     }
 
     /// What is in a place, and the step that was asked for before if this one never was; `None` while it is read.
-    fn ask(&mut self, place: usize) -> Option<(Arc<Grid>, Option<i32>)> {
-        let grid = self.kept[place].grid.clone()?;
+    fn ask(&mut self, place: usize) -> Option<(Step, Option<i32>)> {
+        let step = self.kept[place].step.clone()?;
         let mut kept = self.kept.remove(place);
         let is_new = !std::mem::replace(&mut kept.asked, true);
         let before = self.last.replace(kept.number).filter(|_| is_new);
         self.kept.insert(0, kept);
-        Some((grid, before))
+        Some((step, before))
     }
 
     fn keep(&mut self, kept: Kept, place: usize) {
@@ -235,7 +342,7 @@ impl Shelf {
     }
 
     fn forget_unread(&mut self, number: i32) {
-        self.kept.retain(|kept| kept.number != number || kept.grid.is_some());
+        self.kept.retain(|kept| kept.number != number || kept.step.is_some());
     }
 }
 
@@ -251,9 +358,7 @@ impl Drop for GivenUp<'_> {
 }
 
 #[cfg(feature = "import")]
-fn times_in(path: &Path) -> Result<i32> {
-    crate::import::times_in(path)
-}
+use crate::import::{times_in, velocity_in};
 
 #[cfg(not(feature = "import"))]
 fn times_in(path: &Path) -> Result<i32> {
@@ -261,6 +366,11 @@ fn times_in(path: &Path) -> Result<i32> {
         "`{}` is a volume, and this build reads none: build with the feature `import`",
         path.display()
     )))
+}
+
+#[cfg(not(feature = "import"))]
+fn velocity_in(_: &Path) -> Result<Option<Velocity>> {
+    Ok(None)
 }
 
 #[cfg(all(test, feature = "import"))]
@@ -281,9 +391,13 @@ mod tests {
         (folder, Arc::new(steps))
     }
 
+    fn one(steps: &Arc<Steps>, number: i32) -> Result<Arc<Grid>> {
+        steps.show(&Shown { number, mix: None })
+    }
+
     /// What is in memory, once nothing is read any more.
     fn kept(steps: &Steps) -> Vec<i32> {
-        let is_reading = |shelf: &mut Shelf| shelf.kept.iter().any(|kept| kept.grid.is_none());
+        let is_reading = |shelf: &mut Shelf| shelf.kept.iter().any(|kept| kept.step.is_none());
         let shelf = steps.news.wait_while(steps.shelf(), is_reading).unwrap();
         shelf.kept.iter().map(|kept| kept.number).collect()
     }
@@ -291,8 +405,8 @@ mod tests {
     #[test]
     fn few_steps_are_in_memory_and_the_next_one_is_read_ahead() {
         let (_folder, steps) = steps();
-        let mut ask = |number: i32| {
-            assert_eq!(steps.read(number).unwrap().most, 1.0 + number as f32);
+        let ask = |number: i32| {
+            assert_eq!(one(&steps, number).unwrap().most, 1.0 + number as f32);
             kept(&steps)
         };
         // Who sees one step may see no other.
@@ -314,14 +428,14 @@ mod tests {
     #[test]
     fn a_step_that_was_read_ahead_is_read_once_and_one_that_failed_again() {
         let (folder, steps) = steps();
-        (0..2).for_each(|number| drop(steps.read(number).unwrap()));
+        (0..2).for_each(|number| drop(one(&steps, number).unwrap()));
         kept(&steps);
         fs::remove_file(folder.path().join("a2.raw")).unwrap();
-        assert_eq!(steps.read(2).unwrap().most, 3.0);
+        assert_eq!(one(&steps, 2).unwrap().most, 3.0);
         kept(&steps);
         fs::write(folder.path().join("a5.raw"), "no float").unwrap();
-        assert!(steps.read(5).unwrap_err().to_string().contains("a5.raw"));
+        assert!(one(&steps, 5).unwrap_err().to_string().contains("a5.raw"));
         fs::write(folder.path().join("a5.raw"), 7f32.to_le_bytes()).unwrap();
-        assert_eq!(steps.read(5).unwrap().most, 7.0);
+        assert_eq!(one(&steps, 5).unwrap().most, 7.0);
     }
 }

@@ -10,10 +10,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::grid::{Grid, MOST_ALONG};
-use super::sequence::Sequence;
+use super::sequence::{Sequence, Shown};
 use super::steps::Steps;
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Droplets, union};
+use super::{Bounds, Droplets, Species, union};
 use crate::{Error, Result};
 
 const EXTINCTION: Limits = Limits::new(0.0, 1e6, "per metre");
@@ -116,13 +116,14 @@ pub struct Opened {
     grid: OnceLock<std::result::Result<Arc<Grid>, String>>,
     folder: PathBuf,
     steps: Option<Arc<Steps>>,
-    /// Which of the steps it is.
-    shown: Option<i32>,
+    /// What of them it is.
+    shown: Option<Shown>,
 }
 
+/// Whether the same of a sequence is there: the rest follows from what scenes say.
 impl PartialEq for Opened {
-    fn eq(&self, _: &Self) -> bool {
-        true
+    fn eq(&self, other: &Self) -> bool {
+        self.shown == other.shown
     }
 }
 
@@ -164,9 +165,18 @@ impl Volume {
     }
 
     /// Extinction, per metre, that `grid` has where it is 1, if nobody says otherwise: 1 where its file says that
-    /// its values are extinctions, else that of droplets as clouds have them.
+    /// its values are extinctions, that of so much water in kg/m^3, else that of droplets as clouds have them.
     pub fn usual_extinction(grid: &Grid) -> f64 {
-        if grid.quantity.contains("extinction") { 1.0 } else { Droplets::default().extinction() }
+        match &grid.quantity {
+            told if told.contains("extinction") => 1.0,
+            told if told.contains("mass of water") => Self::extinction_of_mass(Species::Water),
+            _ => Droplets::default().extinction(),
+        }
+    }
+
+    /// Extinction, per metre, of 1 kg/m^3 of particles of their usual size.
+    pub fn extinction_of_mass(species: Species) -> f64 {
+        species.extinction_of_mass(1.0, 1e-6 * species.usual_radius_um())
     }
 
     /// What was read of its file: [`Scene::load`](super::Scene::load) reads that. Of a sequence it is the first step without
@@ -180,9 +190,9 @@ impl Volume {
     /// # Errors
     /// Where it was not read, or its step can't be.
     pub(crate) fn grid(&self) -> Result<&Arc<Grid>> {
-        let read = match (&self.opened.steps, self.opened.shown) {
-            (Some(steps), Some(number)) => {
-                let read = || steps.read(number).map_err(|error| error.to_string());
+        let read = match (&self.opened.steps, &self.opened.shown) {
+            (Some(steps), Some(shown)) => {
+                let read = || steps.show(shown).map_err(|error| error.to_string());
                 Some(self.opened.grid.get_or_init(read))
             }
             _ => self.opened.grid.get(),
@@ -196,8 +206,8 @@ impl Volume {
 
     /// Differs where what its files hold does.
     pub(crate) fn fingerprint(&self) -> Option<u64> {
-        match (&self.opened.steps, self.opened.shown) {
-            (Some(steps), Some(number)) => Some(steps.fingerprint(number)),
+        match (&self.opened.steps, &self.opened.shown) {
+            (Some(steps), Some(shown)) => Some(steps.fingerprint(shown)),
             _ => Some(self.read_grid()?.fingerprint),
         }
     }
@@ -233,20 +243,25 @@ impl Volume {
         Ok((folder.join(first.file), told))
     }
 
-    /// What there is of it at `time`, s, with `fps` steps a second unless it tells a rate: the step of its sequence, or all of
-    /// it where it has none.
+    /// What there is of it at `time`, s, with `fps` steps a second unless it tells a rate: a step of its sequence or what is
+    /// between two, or all of it where it has none.
     ///
     /// # Errors
-    /// Where that step is missing, as a sentence.
+    /// Where a step is missing, or motion that is wanted, as a sentence.
     pub(super) fn at(self, time: f64, fps: f64) -> std::result::Result<Option<Self>, String> {
         let Some(steps) = self.opened.steps.clone().filter(|_| self.opened.shown.is_none()) else {
             return Ok(Some(self));
         };
         let sequence = self.sequence.clone().unwrap_or_default();
-        let Some(number) = sequence.step_at(time, fps, steps.ends()) else { return Ok(None) };
-        let Self { file, step, .. } = steps.still(number)?;
+        let way = sequence.way(fps, self.scene_from_file().inverse(), || steps.has_velocities());
+        let way = way.map_err(|problem| format!("`{}` {problem}", self.file))?;
+        let Some(shown) = sequence.shown(time, fps, steps.ends(), way) else { return Ok(None) };
+        let Self { file, step, .. } = steps.still(shown.number)?;
+        if let Some(mix) = &shown.mix {
+            steps.still(mix.next)?;
+        }
         let (grid, folder) = (OnceLock::new(), self.opened.folder.clone());
-        let opened = Opened { grid, folder, steps: Some(steps), shown: Some(number) };
+        let opened = Opened { grid, folder, steps: Some(steps), shown: Some(shown) };
         Ok(Some(Self { file, step, sequence: None, opened, ..self }))
     }
 
@@ -276,7 +291,7 @@ impl Volume {
             Some(steps) => {
                 let (first, _) =
                     self.sequence.clone().unwrap_or_default().range(steps.ends()[0], steps.ends()[1]);
-                Arc::new(steps.read(first)?.outline())
+                Arc::new(steps.show(&Shown { number: first, mix: None })?.outline())
             }
             None => Arc::new(self.grid_in(&folder.join(&self.file))?),
         };
@@ -326,12 +341,16 @@ impl Volume {
 
     /// From numbers of voxels of its grid to the world, m.
     pub fn world_from_voxels(&self, grid: &Grid) -> DAffine3 {
+        DAffine3::from_mat3_translation(self.scene_from_file(), self.place) * grid.place
+    }
+
+    /// From vectors in its file's lengths to those of the scene, m.
+    fn scene_from_file(&self) -> DMat3 {
         let turned = match self.up {
             Up::Y => DMat3::IDENTITY,
             Up::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
         };
-        let turned = DMat3::from_quat(self.orientation) * turned * self.scale;
-        DAffine3::from_mat3_translation(turned, self.place) * grid.place
+        DMat3::from_quat(self.orientation) * turned * self.scale
     }
 
     /// Numbers of voxels between which there may be something: values change from one voxel's middle to the next.

@@ -6,6 +6,8 @@ mod growth;
 mod imports;
 mod imports_gltf;
 mod layers;
+#[cfg(feature = "import")]
+mod les;
 mod optics;
 mod particles;
 mod presets;

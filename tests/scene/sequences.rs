@@ -178,6 +178,52 @@ fn a_step_that_stays_is_read_once() {
 }
 
 #[test]
+fn between_steps_there_is_what_is_asked_for() {
+    let folder = folder(&[1, 3]);
+    let between = |fields: &str, time: f64| {
+        let fields = format!(
+            r#", "up": "z", "scale": 2, "sequence": {{"fps": 0.5, "increment": 2, "interval": 4 {fields}}}"#
+        );
+        let scene = load(folder.path(), &fields, "").unwrap();
+        let moment = scene.at(time).unwrap();
+        let grid = volume(&moment).read_grid().unwrap();
+        let mut found: Vec<_> = grid.filled().map(|(at, value)| (at.to_array(), value)).collect();
+        found.sort_by_key(|(at, _)| *at);
+        found
+    };
+    let [first, last] = [([0, 3, 3], 1.0), ([1, 3, 3], 1.0)];
+    assert_eq!(between("", 0.9), [first]);
+    assert_eq!(between(r#", "between": "blend""#, 0.5), [([0, 3, 3], 0.75), ([1, 3, 3], 0.25)]);
+    // A voxel of 2 m in 4 s of its own; the half of the way to the second step is half a voxel.
+    let moving = r#", "velocity": [0.5, 0, 0]"#;
+    assert_eq!(between(moving, 1.0), [([0, 3, 3], 0.5), ([1, 3, 3], 0.5)]);
+    assert_eq!((between(moving, 0.0), between(moving, 2.0)), (vec![first], vec![last]));
+    assert_eq!(between(r#", "between": "nearest", "velocity": [0.5, 0, 0]"#, 0.9), [first]);
+    // z is up in the file, and y goes north there: at the half, 0.5 voxels of 2 voxels up and as many north.
+    let up = between(r#", "velocity": [0, 1, -1]"#, 1.0);
+    assert_eq!(up, [([0, 4, 4], 0.5), ([1, 2, 2], 0.5)]);
+}
+
+#[test]
+fn what_between_steps_can_not_be_is_told() {
+    let folder = folder(&[1, 2]);
+    let told = |fields: &str| {
+        let fields = format!(r#", "sequence": {{"fps": 1, {fields}}}"#);
+        load(folder.path(), &fields, "").and_then(|scene| scene.at(0.5)).unwrap_err().to_string()
+    };
+    let flow = told(r#""between": "flow""#);
+    for part in ["blob.####.raw", "no grid of velocities", "give `velocity`", "\"blend\""] {
+        assert!(flow.contains(part), "{flow}\n  lacks\n{part}");
+    }
+    assert!(
+        told(r#""velocity": [0, 2000, 0]"#)
+            .contains("2000 is out of range: expected -1000 to 1000 metres per second")
+    );
+    assert!(told(r#""interval": 0"#).contains("out of range"));
+    assert!(told(r#""between": "warp""#).contains("unknown choice `warp`"));
+}
+
+#[test]
 fn scenes_of_sequences_are_saved_elsewhere_and_read_again() {
     let folder = folder(&[1, 2]);
     let scene = load(folder.path(), r#", "sequence": {"fps": 1, "after": "nothing"}"#, "").unwrap();

@@ -5,7 +5,7 @@ use eframe::egui::Ui;
 use super::{apply, hint, object::path};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Beyond, Cloud, Grid, Sequence, Timeline, Up, Volume, timeline::Owner},
+    scene::{Between, Beyond, Cloud, Grid, Sequence, Timeline, Up, Volume, timeline::Owner},
 };
 
 /// The numbers of a cloud that is a volume.
@@ -46,6 +46,13 @@ pub(super) fn sequence(ui: &mut Ui, document: &mut Document, index: usize, cloud
     ];
     form.choice("Sequence.before", "Before the first", &mut sequence.before, &beyond);
     form.choice("Sequence.after", "After the last", &mut sequence.after, &beyond);
+    let between = [
+        ("Auto", choice("Between.auto"), Between::Auto),
+        ("Nearest", choice("Between.nearest"), Between::Nearest),
+        ("Blend", choice("Between.blend"), Between::Blend),
+        ("Flow", choice("Between.flow"), Between::Flow),
+    ];
+    form.choice("Sequence.between", "Between steps", &mut sequence.between, &between);
     let change = form.changed();
     // Without a number of its own it goes on following the timeline.
     sequence.fps = sequence.fps.map(|_| fps).or((fps != rate).then_some(fps));
