@@ -357,7 +357,9 @@ mod tests {
                 let found = told(&between(&ends[0], &ends[1], share).unwrap());
                 assert!((found.0 / mass - 1.0).abs() < 0.01, "{share}: {} for {mass}", found.0);
                 assert!(found.1.distance(from + share * way) < 0.05, "{share}: {}", found.1);
-                assert!((found.2 / spread - 1.0).abs() < 0.02, "{share}: {} for {spread}", found.2);
+                // Between voxels a value is spread over both: at the most by a quarter of their square along each axis.
+                let wider = found.2 - spread;
+                assert!((-0.05..0.75 * EDGE * EDGE).contains(&wider), "{share}: {} for {spread}", found.2);
             }
         }
     }

@@ -10,6 +10,8 @@ mod layers;
 mod les;
 mod optics;
 mod particles;
+#[cfg(feature = "import")]
+mod points;
 mod presets;
 #[cfg(all(feature = "export", feature = "import"))]
 #[path = "../common/readers.rs"]
