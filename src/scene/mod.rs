@@ -67,7 +67,7 @@ pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
 pub use timeline::Timeline;
 pub use tone::{Tone, ToneCurve};
-pub use volume::{Brick, Endian, Opened, Up, Volume};
+pub use volume::{Brick, Endian, Opened, StepRange, Up, Volume};
 pub use wind::Wind;
 
 use crate::Result;

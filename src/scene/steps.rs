@@ -373,7 +373,8 @@ fn velocity_in(_: &Path) -> Result<Option<Velocity>> {
     Ok(None)
 }
 
-#[cfg(all(test, feature = "import"))]
+#[cfg(test)]
+#[cfg(feature = "import")]
 mod tests {
     use super::*;
     use crate::scene::Brick;

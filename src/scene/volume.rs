@@ -127,6 +127,9 @@ impl PartialEq for Opened {
     }
 }
 
+/// Numbers of the first and the last step of a sequence, and how many there are.
+pub type StepRange = (i32, i32, u32);
+
 impl Default for Volume {
     fn default() -> Self {
         Self {
@@ -213,7 +216,7 @@ impl Volume {
     }
 
     /// Numbers of the first and the last step of its sequence, and how many there are; `None` of a volume without one.
-    pub fn steps(&self) -> Option<(i32, i32, u32)> {
+    pub fn steps(&self) -> Option<StepRange> {
         let [least, greatest] = self.opened.steps.as_ref()?.ends();
         let sequence = self.sequence.clone().unwrap_or_default();
         let (first, count) = sequence.range(least, greatest);
@@ -233,7 +236,7 @@ impl Volume {
     /// # Errors
     /// Where there is no such step.
     #[cfg(feature = "cli")]
-    pub(crate) fn first_file(&self, folder: &Path) -> Result<(PathBuf, Option<(i32, i32, u32)>)> {
+    pub(crate) fn first_file(&self, folder: &Path) -> Result<(PathBuf, Option<StepRange>)> {
         let Some(steps) = Steps::of(self, folder)?.map(Arc::new) else {
             return Ok((folder.join(&self.file), None));
         };

@@ -46,13 +46,13 @@ impl Number {
         self.lanes * self.kind.bytes()
     }
 
-    fn from_bytes(self, bytes: &[u8]) -> f32 {
+    fn in_bytes(self, bytes: &[u8]) -> f32 {
         self.kind.number(bytes.get(self.lane * self.kind.bytes()..).unwrap_or_default())
     }
 
     /// One of them.
     pub fn read(self, bytes: &mut Bytes<'_>) -> Result<f32, Problem> {
-        Ok(self.from_bytes(bytes.take(self.bytes())?))
+        Ok(self.in_bytes(bytes.take(self.bytes())?))
     }
 }
 
@@ -128,7 +128,7 @@ impl Packing {
         let width = self.packed.bytes();
         let size = count * width;
         let numbers =
-            |raw: &[u8]| raw.chunks_exact(width).map(|number| self.packed.from_bytes(number)).collect();
+            |raw: &[u8]| raw.chunks_exact(width).map(|number| self.packed.in_bytes(number)).collect();
         if self.compression & (ZIP | BLOSC) == 0 {
             return bytes.take(size).map(numbers);
         }
