@@ -70,6 +70,7 @@ pub mod gpu;
 pub mod import;
 #[cfg(feature = "measure")]
 pub mod measure;
+mod numbered;
 pub mod optics;
 pub mod reference;
 pub mod render;

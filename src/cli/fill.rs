@@ -1,4 +1,4 @@
-//! `nephos fill`: a cloud in the shape of a mesh.
+//! `nephos fill`: a cloud in the shape of a mesh, or of points.
 
 use std::path::PathBuf;
 
@@ -11,35 +11,36 @@ use super::{
 };
 use crate::{
     Error, Result,
-    import::{Inside, fill, read_mesh},
+    import::{Filled, Inside, fill, fill_points, is_of_points, read_mesh, read_points},
     scene::{Cloud, Edge, Ellipsoid, Noise, Scene},
 };
 
-/// Make a cloud in the shape of a mesh: ellipsoids that fill it.
+/// Make a cloud in the shape of a mesh or of points: ellipsoids that fill it.
 ///
 /// The mesh must be closed, but for holes that are small beside it; parts may overlap. Metres and Y up are taken for granted, as in glTF.
 /// Ellipsoids are a little larger than the mesh, by half the thickness of the edge: noise pushes the
-/// cloud's boundary inwards by as much on the average.
+/// cloud's boundary inwards by as much on the average. Points are those of particles or scans; where they have radii (PLY: `radius` or
+/// `pscale`, CSV: a fourth column) they are balls.
 #[derive(Debug, Args)]
 pub struct Fill {
-    /// Mesh: .obj, .gltf or .glb.
-    mesh: PathBuf,
+    /// Mesh: .obj, .gltf or .glb; or points: .ply or .csv.
+    file: PathBuf,
     /// Scene file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Most ellipsoids.
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=4096))]
     count: u32,
-    /// Multiplies the mesh's coordinates.
+    /// Multiplies the file's coordinates.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = above_zero)]
     scale: f64,
-    /// Where the mesh's origin shall be, metres.
+    /// Where the file's origin shall be, metres.
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     at: Option<[f64; 3]>,
     /// Thickness of the edge that noise works on, as a share of an ellipsoid's smallest radius.
     #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
     edge: f64,
-    /// Any whole number: other seeds fill the mesh another way.
+    /// Any whole number: other seeds fill it another way.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// Points along the longest edge of the mesh's box at which it is asked what is inside.
@@ -53,30 +54,52 @@ impl Fill {
     /// # Errors
     /// Where the mesh, the arguments or the file are not good.
     pub fn run(self) -> Result<()> {
-        let mut mesh = read_mesh(&self.mesh)?;
-        let origin = self.at.map_or(DVec3::ZERO, DVec3::from);
-        mesh.positions.iter_mut().for_each(|p| *p = self.scale * *p + origin);
-        let inside = Inside::new(&mesh, self.points);
-        let filled = fill(&inside, self.count as usize, self.seed)?;
+        let (filled, told) =
+            if is_of_points(&self.file) { self.points_filled()? } else { self.mesh_filled()? };
         let scene = self.scene(&filled.ellipsoids);
         scene.validate().map_err(|error| {
             Error::Argument(format!("the cloud would be no valid one: {error}; --scale and --at change it"))
         })?;
         scene.save(&self.output)?;
         terminal::print(&format!(
-            "{}: {} ellipsoids, {:.0} % overlap with the mesh\n",
+            "{}: {} ellipsoids, {told}",
             self.output.display(),
-            filled.ellipsoids.len(),
-            100.0 * filled.overlap
+            filled.ellipsoids.len()
         ))?;
+        terminal::below_ground(&scene)
+    }
+
+    fn origin(&self) -> DVec3 {
+        self.at.map_or(DVec3::ZERO, DVec3::from)
+    }
+
+    /// Ellipsoids in a mesh, and what is told of them.
+    fn mesh_filled(&self) -> Result<(Filled, String)> {
+        let mut mesh = read_mesh(&self.file)?;
+        mesh.positions.iter_mut().for_each(|p| *p = self.scale * *p + self.origin());
+        let inside = Inside::new(&mesh, self.points);
+        let filled = fill(&inside, self.count as usize, self.seed)?;
+        let mut told = format!("{:.0} % overlap with the mesh\n", 100.0 * filled.overlap);
         if inside.openness > 0.0 {
-            terminal::print(&format!(
+            told += &format!(
                 "The mesh has openings, or faces that look the other way, of {} % of its surface: it was filled as if \
                  closed.\n",
                 percent(inside.openness)
-            ))?;
+            );
         }
-        terminal::below_ground(&scene)
+        Ok((filled, told))
+    }
+
+    /// Ellipsoids where points are, and what is told of them.
+    fn points_filled(&self) -> Result<(Filled, String)> {
+        let mut points = read_points(&self.file)?;
+        for point in &mut points {
+            (point.place, point.radius) =
+                (self.scale * point.place + self.origin(), self.scale * point.radius);
+        }
+        let filled = fill_points(&points, self.count as usize, self.seed)?;
+        let told = format!("which hold {:.0} % of {} points\n", 100.0 * filled.overlap, points.len());
+        Ok((filled, told))
     }
 
     fn scene(&self, ellipsoids: &[Ellipsoid]) -> Scene {
@@ -88,7 +111,7 @@ impl Fill {
         let ellipsoids: Vec<_> = ellipsoids.iter().map(edged).collect();
         let mean = ellipsoids.iter().filter_map(|e| Some(e.edge.as_ref()?.boundary)).sum::<f64>()
             / ellipsoids.len().max(1) as f64;
-        let name = self.mesh.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let name = self.file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
         Scene {
             noise: Noise { scale: Some(2.0 * mean), ..Noise::default() },
             clouds: vec![Cloud { name: name.clone(), ellipsoids, ..Cloud::default() }],

@@ -14,7 +14,10 @@ use super::{
     palette::Answer,
     viewport::ViewCommand,
 };
-use crate::scene::{Cloud, CoverMap, Scene, Volume};
+use crate::{
+    numbered::{siblings, stem},
+    scene::{Cloud, CoverMap, Scene, Sequence, Volume},
+};
 
 impl Editor {
     /// What the editor begins with.
@@ -96,11 +99,15 @@ impl Editor {
         }
     }
 
-    /// Adds a cloud that is the volume in a file; where it would reach below the ground, above that.
+    /// Adds a cloud that is the volume in a file, or in all files that are numbered as it is; where it would reach below the
+    /// ground, above that.
     pub(super) fn add_volume(&mut self, path: &Path) {
         let folder = self.session.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let all = siblings(path);
+        let sequence = all.as_ref().map(|_| Sequence::default());
+        let path = all.as_deref().unwrap_or(path);
         let (file, up) = (Volume::path_from(&folder, path), Volume::usual_up(path));
-        let mut volume = Volume { file, up, ..Volume::default() };
+        let mut volume = Volume { file, up, sequence, ..Volume::default() };
         if let Err(error) = volume.read(&folder) {
             return self.notices.problem(error);
         }
@@ -111,7 +118,9 @@ impl Editor {
         if let Some((low, high)) = volume.bounds().filter(|(low, _)| low.y < ground) {
             volume.place.y += ground - low.y + (high.y - low.y);
         }
-        let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        let name = stem(path);
+        let steps =
+            volume.steps().map_or(String::new(), |(first, last, _)| format!(", steps {first} to {last}"));
         let cloud = Cloud::of_volume(&name, volume);
         let added = Scene { clouds: vec![cloud.clone()], ..self.document.scene().clone() };
         if let Err(error) = added.validate() {
@@ -121,7 +130,7 @@ impl Editor {
             scene.clouds.push(cloud);
             *selection = Selection::cloud(scene, scene.clouds.len() - 1);
         });
-        self.notices.news(format!("Added {}.", path.display()));
+        self.notices.news(format!("Added {}{steps}.", path.display()));
     }
 
     /// The number of the selected cloud where it is a layer.

@@ -41,6 +41,7 @@ impl Keying {
             "Cloud" | "Ellipsoid" | "Lightning" => object.clone(),
             "Edge" | "Droplets" | "Life" | "Growth" | "Volume" => format!("{object}.{}", kind.to_lowercase()),
             "Phase" => format!("{object}.droplets.phase"),
+            "Sequence" => format!("{object}.volume.sequence"),
             _ => return None,
         };
         let field = if home.is_empty() { field.to_owned() } else { format!("{home}.{field}") };

@@ -70,7 +70,7 @@ impl Frame {
     /// `scene` at its own time, for a picture of `size` pixels.
     ///
     /// # Errors
-    /// Where a value of the scene is out of its range, or `size` has a zero.
+    /// Where a value of the scene is out of its range, a step of a volume can't be read, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
         let mut moved = scene.at(scene.time)?;
         let camera = moved.camera();
@@ -193,8 +193,8 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
             let medium = Shared::new(Medium::of_layer(cloud, shape, &scene.noise)?);
             frames.push(CloudFrame { origin, half, medium, number });
         }
-        if let Some(volume) = cloud.volume.as_ref().filter(|volume| volume.read_grid().is_none()) {
-            return Err(volume.unread());
+        if let Some(volume) = &cloud.volume {
+            volume.grid()?;
         }
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);

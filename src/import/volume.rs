@@ -1,6 +1,10 @@
 //! Volumes of any format.
 
-use std::{fs, path::Path};
+use std::{
+    fs::{self, File},
+    io::Read,
+    path::Path,
+};
 
 use super::{
     bytes::Problem,
@@ -8,7 +12,10 @@ use super::{
     raw::{self, Raw},
     vdb, vol,
 };
-use crate::{Error, Result, scene::Grid};
+use crate::{
+    Error, Result,
+    scene::{Grid, Velocity},
+};
 
 /// A grid in a file.
 #[derive(Debug, Clone)]
@@ -35,13 +42,12 @@ pub struct Choice<'a> {
 /// Name of the grid that is taken where none is named and there are several.
 const USUAL: &str = "density";
 
-/// All grids of a volume's file, whichever is chosen: OpenVDB, Mitsuba's .vol, NetCDF of WRF, or floats.
+/// All grids of a volume's file, whichever is chosen: OpenVDB, Mitsuba's .vol, NetCDF, or floats.
 ///
 /// # Errors
 /// [`Error::File`] and [`Error::Format`] where it can't be read or is no volume.
 pub fn found_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
-    all(&content(path)?, &Choice { grid: None, ..*choice })
-        .map_err(|problem| Error::Format { path: path.to_owned(), problem })
+    all_in(path, &Choice { grid: None, ..*choice })
 }
 
 /// The grid of a volume's file that is chosen.
@@ -49,8 +55,41 @@ pub fn found_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
 /// # Errors
 /// As [`found_in`], and where there is no such grid.
 pub fn read_volume(path: &Path, choice: &Choice<'_>) -> Result<Grid> {
-    let bytes = content(path)?;
-    parse_volume(&bytes, choice).map_err(|problem| Error::Format { path: path.to_owned(), problem })
+    choose(all_in(path, choice)?, choice.grid)
+        .map_err(|problem| Error::Format { path: path.to_owned(), problem })
+}
+
+/// How fast what is in a volume's file goes, where that tells it: OpenVDB with a grid `vel`, `v` or `velocity`.
+///
+/// # Errors
+/// [`Error::File`] and [`Error::Format`] where it can't be read.
+pub(crate) fn velocity_in(path: &Path) -> Result<Option<Velocity>> {
+    if !vdb::is_one(&head(path)?) {
+        return Ok(None);
+    }
+    vdb::velocity(&content(path)?).map_err(|problem| Error::Format { path: path.to_owned(), problem })
+}
+
+/// How many times a volume's file holds.
+///
+/// # Errors
+/// [`Error::File`] and [`Error::Format`] where it is no file that holds any number of them.
+pub(crate) fn times_in(path: &Path) -> Result<i32> {
+    let refused = |problem| Error::Format { path: path.to_owned(), problem };
+    if !netcdf::is_one(&head(path)?) {
+        return Err(refused("holds one time, and a `sequence` goes through several: name its files with #### in place of their \
+                            number, such as storm.####.vdb, or leave it out".to_owned()));
+    }
+    netcdf::open(path).and_then(|file| netcdf::times(&file)).map_err(refused)
+}
+
+fn all_in(path: &Path, choice: &Choice<'_>) -> Result<Vec<Found>> {
+    let found = match choice.raw.is_none() && netcdf::is_one(&head(path)?) {
+        // Of a file of many times only one is read.
+        true => netcdf::open(path).and_then(|file| netcdf::read(file, choice.step, choice.grid)),
+        false => all(&content(path)?, choice),
+    };
+    found.map_err(|problem| Error::Format { path: path.to_owned(), problem })
 }
 
 /// The same of the bytes of a file.
@@ -101,17 +140,28 @@ fn all(bytes: &[u8], choice: &Choice<'_>) -> std::result::Result<Vec<Found>, Pro
         return vol::read(bytes).map(alone);
     }
     if netcdf::is_one(bytes) {
-        return netcdf::read(bytes, choice.step);
+        return netcdf::read(netcdf::open_bytes(bytes)?, choice.step, choice.grid);
     }
     Err("is no volume that is read: give OpenVDB (.vdb), Mitsuba's .vol, NetCDF, or floats with their `raw` size".to_owned())
 }
 
 /// Bytes of a file. Devices and pipes, which may have no end, are refused.
 fn content(path: &Path) -> Result<Vec<u8>> {
+    begin(path, u64::MAX)
+}
+
+/// What a file begins with, by which its format is known.
+fn head(path: &Path) -> Result<Vec<u8>> {
+    begin(path, 8)
+}
+
+fn begin(path: &Path, most: u64) -> Result<Vec<u8>> {
     let failed = |source| Error::File { action: "read", path: path.to_owned(), source };
     if !fs::metadata(path).map_err(failed)?.is_file() {
         let problem = "is no file: give one that holds a volume".to_owned();
         return Err(Error::Format { path: path.to_owned(), problem });
     }
-    fs::read(path).map_err(failed)
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(most).read_to_end(&mut bytes)).map_err(failed)?;
+    Ok(bytes)
 }

@@ -41,7 +41,10 @@ impl Evaporation {
 impl Cloud {
     /// Gives its ellipsoids the edges that its evaporation makes of theirs, in wind that goes along `wind`.
     pub(super) fn evaporate(&mut self, wind: DVec3) {
-        let Some((low, high)) = self.bounds().filter(|_| !self.evaporation.is_none()) else { return };
+        if self.evaporation.is_none() {
+            return;
+        }
+        let Some((low, high)) = self.bounds() else { return };
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let along = wind.with_y(0.0).normalize_or_zero();
         let reach = half.dot(along.abs()).max(1e-6);

@@ -124,16 +124,20 @@ impl Grid {
         Self::new(name, String::new(), place, blocks.collect())
     }
 
-    /// FNV-1a over its numbers.
+    /// The same without its values: what is told of it.
+    #[must_use]
+    pub fn outline(&self) -> Self {
+        Self { blocks: Vec::new(), name: self.name.clone(), quantity: self.quantity.clone(), ..*self }
+    }
+
+    /// Of all its numbers.
     fn fingerprinted(&self) -> u64 {
         let place = self.place.to_cols_array().into_iter().map(f64::to_bits);
         let blocks = self.blocks.iter().flat_map(|block| {
             let index = block.index.to_array().map(|i| u64::from(i.cast_unsigned()));
             index.into_iter().chain(block.values.iter().map(|value| u64::from(value.to_bits())))
         });
-        place
-            .chain(blocks)
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3))
+        fingerprint(place.chain(blocks))
     }
 
     /// Voxels along each axis, of what is not empty.
@@ -157,4 +161,10 @@ impl Grid {
     pub fn filled(&self) -> impl Iterator<Item = (IVec3, f32)> {
         self.blocks.iter().flat_map(Block::filled)
     }
+}
+
+/// FNV-1a over words.
+pub(super) fn fingerprint(words: impl IntoIterator<Item = u64>) -> u64 {
+    let step = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+    words.into_iter().fold(0xcbf2_9ce4_8422_2325, step)
 }

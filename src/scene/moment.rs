@@ -40,10 +40,28 @@ impl Scene {
         moment.clouds.iter_mut().filter(|cloud| cloud.ellipsoids.is_empty()).for_each(Cloud::grow);
         moment.follow_curves(time)?;
         moment.check_moment().map_err(|error| error.at_time(time))?;
+        moment.choose_steps()?;
         moment.camera = Some(self.camera.as_ref().map_or_else(|| self.camera(), |_| moment.camera()));
         moment.let_live_and_drift();
         (moment.time, moment.timeline) = (0.0, None);
         Ok(moment)
+    }
+
+    /// Has of sequences of volumes what is there at its own time.
+    fn choose_steps(&mut self) -> Result<()> {
+        let (time, fps) =
+            (self.time, self.timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps));
+        let root = At::Root;
+        let list = root.field("clouds");
+        for (i, cloud) in self.clouds.iter_mut().enumerate() {
+            let Some(volume) = cloud.volume.take() else { continue };
+            cloud.volume = volume.at(time, fps).map_err(|problem| {
+                let at = list.index(i);
+                let at = at.field("volume");
+                at.field("file").problem(format!("{problem} (at {time} seconds)"))
+            })?;
+        }
+        Ok(())
     }
 
     /// Puts its own time to `time`, s, and all numbers to what curves say then.
@@ -288,7 +306,9 @@ fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Cloud {
 impl Cloud {
     /// Tells its own noise the size of its billows, which wind must not change.
     fn fix_noise(&mut self) {
-        if let (Some(bounds), Some(noise)) = (self.bounds(), &mut self.noise) {
+        if self.noise.is_some()
+            && let (Some(bounds), Some(noise)) = (self.bounds(), &mut self.noise)
+        {
             noise.scale = Some(noise.scale_in(bounds));
         }
     }

@@ -41,3 +41,4 @@ mod units;
 mod volumes;
 mod volumes_drawn;
 mod volumes_in;
+mod volumes_over_time;

@@ -551,3 +551,41 @@ fn import_tells_what_is_in_a_volume_and_makes_a_scene_of_it() {
         complaint(&["import", &volume, "-o", &scene, "--grid", "fire"], 1).contains("has no grid `fire`")
     );
 }
+
+#[test]
+fn import_makes_a_scene_of_a_sequence_that_is_as_long_as_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for step in 1..=6 {
+        let floats: Vec<u8> = (0..8).flat_map(|i| (0.1 * (i * step) as f32).to_le_bytes()).collect();
+        fs::write(folder.path().join(format!("smoke.{step:03}.raw")), floats).unwrap();
+    }
+    let (files, scene) = (in_folder(&folder, "smoke.%03d.raw"), in_folder(&folder, "scene.json"));
+    let words = ["import", &files, "--size", "2,2,2", "-o", &scene, "--fps", "12"];
+    let text = told(&words);
+    assert!(text.contains("6 steps, 1 to 6"), "{text}");
+    let made = Scene::load(&scene).unwrap();
+    assert_eq!((made.name.as_str(), made.timeline.as_ref().unwrap().length), ("smoke", 0.5));
+    let moment = made.at(0.25).unwrap();
+    assert_eq!(moment.clouds[0].volume.as_ref().unwrap().file, "smoke.004.raw");
+    let none = in_folder(&folder, "fog.####.raw");
+    let problem = complaint(&["import", &none, "--size", "2,2,2"], 1);
+    assert!(problem.contains("there is no file of it"), "{problem}");
+    let one = in_folder(&folder, "smoke.003.raw");
+    let problem = complaint(&["import", &one, "--size", "2,2,2", "--times"], 1);
+    assert!(problem.contains("holds one time"), "{problem}");
+}
+
+#[test]
+fn import_makes_a_cloud_of_each_field_that_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let weather = format!("{}/tests/data/volumes/storm.nc", env!("CARGO_MANIFEST_DIR"));
+    let scene = in_folder(&folder, "scene.json");
+    told(&["import", &weather, "-o", &scene, "--field", "QRAIN=rain", "--field", "QCLOUD"]);
+    let made = Scene::load(&scene).unwrap();
+    let of: Vec<_> = made.clouds.iter().map(|cloud| (cloud.name.as_str(), cloud.droplets.species)).collect();
+    assert_eq!(of, [("QRAIN", Species::Rain), ("QCLOUD", Species::Water)]);
+    let wrong = complaint(&["import", &weather, "--field", "QRAIN=fog"], 2);
+    assert!(wrong.contains("water, rain, ice, snow, graupel"), "{wrong}");
+    let missing = complaint(&["import", &weather, "-o", &scene, "--field", "ql"], 1);
+    assert!(missing.contains("no grid `ql`: it has"), "{missing}");
+}

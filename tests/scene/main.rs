@@ -6,8 +6,12 @@ mod growth;
 mod imports;
 mod imports_gltf;
 mod layers;
+#[cfg(feature = "import")]
+mod les;
 mod optics;
 mod particles;
+#[cfg(feature = "import")]
+mod points;
 mod presets;
 #[cfg(all(feature = "export", feature = "import"))]
 #[path = "../common/readers.rs"]
@@ -15,6 +19,8 @@ mod presets;
 mod readers;
 mod scene;
 mod scene_geometry;
+#[cfg(feature = "import")]
+mod sequences;
 mod shaders;
 mod slab;
 mod slab_tables;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::{
     super::{
         numbers::above_zero,
-        sequence::frames::{Frames, Pattern, rate},
+        sequence::frames::{self, Frames, rate},
         terminal,
     },
     Source, ending, shares,
@@ -17,6 +17,7 @@ use crate::{
     Error, Result,
     export::{VdbOptions, write_vdb_with, write_vol},
     files::check_place,
+    numbered::Pattern,
     render::{Frame, VoxelGrid, Voxels},
     scene::{Movement, Scene, Species},
 };
@@ -73,7 +74,7 @@ enum Up {
 impl Volume {
     pub(super) fn run(self) -> Result<()> {
         self.check_ending(ending(&self.output, &["vdb", "vol"])?)?;
-        match Pattern::of(&self.output) {
+        match frames::pattern(&self.output) {
             Ok(_) if self.source.time.is_some() => Err(Error::Argument(format!(
                 "--time is one moment, and `{}` names a file for each frame: leave one of them out, or give --frames",
                 self.output.display()
@@ -127,22 +128,20 @@ impl Volume {
             false => vec![None; moments.len()],
         };
         moments.iter().try_for_each(|(number, _)| check_place(&pattern.file(*number)))?;
-        let frames: Vec<(i32, Frame)> = moments
-            .iter()
-            .map(|(number, scene)| Ok((*number, Frame::new(scene, [1, 1])?)))
-            .collect::<Result<_>>()?;
+        // Frames are made when they are written: steps of volumes would not fit into memory together.
         let voxel = match self.voxel {
             Some(voxel) => voxel,
-            None => frames
+            None => moments
                 .iter()
-                .map(|(_, frame)| VoxelGrid::voxel_of(frame, self.resolution))
+                .map(|(_, scene)| VoxelGrid::voxel_of(&Frame::new(scene, [1, 1])?, self.resolution))
                 .try_fold(0.0, |most: f64, voxel| Ok::<_, Error>(most.max(voxel?)))?,
         };
-        let (gpu, count) = (self.source.gpu()?, frames.len() as f64);
+        let (gpu, count) = (self.source.gpu()?, moments.len() as f64);
         shares("sampling the density", |progress| {
-            for (i, ((number, frame), movement)) in frames.iter().zip(&movements).enumerate() {
+            for (i, ((number, scene), movement)) in moments.iter().zip(&movements).enumerate() {
                 let mut own = |share: f64| progress((i as f64 + share) / count);
-                let volume = Voxels::sample(&gpu, frame, self.grid(voxel), &mut own)?;
+                let frame = Frame::new(scene, [1, 1])?;
+                let volume = Voxels::sample(&gpu, &frame, self.grid(voxel), &mut own)?;
                 self.write(&pattern.file(*number), &volume, movement.as_ref())?;
             }
             Ok(())

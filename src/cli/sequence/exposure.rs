@@ -1,7 +1,10 @@
 //! One auto exposure for all frames: what changes from frame to frame is the scene, never the exposure.
 //! It is the scene's alone, whichever frames are drawn and by whom.
 
-use super::super::picture::{Painter, PictureOptions};
+use super::{
+    super::picture::{Painter, PictureOptions},
+    stamp::identity,
+};
 use crate::{Result, scene::Scene};
 
 /// The moments that are metered, as shares of the timeline; the middle one of what they give counts.
@@ -20,7 +23,7 @@ fn moments(scene: &Scene) -> Vec<f64> {
 /// # Errors
 /// Where the scene is not good at one of those moments.
 pub fn basis(scene: &Scene) -> Result<String> {
-    let moments = moments(scene).into_iter().map(|time| Ok(scene.at(time)?.to_json()));
+    let moments = moments(scene).into_iter().map(|time| Ok(identity(&scene.at(time)?)));
     moments.collect::<Result<Vec<_>>>().map(|texts| texts.concat())
 }
 

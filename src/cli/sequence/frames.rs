@@ -1,22 +1,15 @@
 //! Which frames, whose, and into which files.
 
-#[cfg(unix)]
-use std::ffi::OsStr;
-use std::{
-    ffi::OsString,
-    path::{Path, PathBuf},
-    str::FromStr,
-};
+use std::{path::Path, str::FromStr};
 
 use crate::{
     Error, Result,
+    numbered::{Pattern, Unfit},
     scene::{Scene, Timeline},
 };
 
 /// Most frames of one sequence: more than a day at 60 frames a second.
 const MOST: usize = 10_000_000;
-/// Most digits that a name may ask for by a number of its own.
-const MOST_DIGITS: usize = 32;
 /// Most frames a second.
 const FASTEST: f64 = 1e6;
 
@@ -139,89 +132,23 @@ pub fn numbered(scene: &Scene, frames: Option<&Frames>, fps: f64, path: &Path) -
     Ok(all.into_iter().map(|number| (number, time(i64::from(number) - 1))).collect())
 }
 
-/// The name of a frame's file, with a place where its number goes.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Pattern {
-    folder: PathBuf,
-    before: OsString,
-    digits: usize,
-    after: OsString,
-}
-
-impl Pattern {
-    /// Reads `output`, such as `out/frame.####.exr`: `%04d` and `$F4` stand for the number, too.
-    ///
-    /// # Errors
-    /// [`Error::Argument`] where its name has no such place, or two.
-    pub fn of(output: &Path) -> Result<Self> {
-        let refuse = |problem: &str| Err(Error::Argument(format!("`{}` {problem}", output.display())));
-        let name = output.file_name().unwrap_or_default().as_encoded_bytes();
-        let Some((start, end, digits)) = place(name, 0) else {
-            return refuse(
-                "has no place for the frame's number: write #### there, such as frame.####.png, or name a \
-                 movie, .mp4 or .webm",
-            );
-        };
-        if place(name, end).is_some() {
-            return refuse("has two places for the frame's number: leave one");
-        }
-        Ok(Self {
-            folder: output.parent().unwrap_or(Path::new("")).to_owned(),
-            before: part(&name[..start]),
-            digits,
-            after: part(&name[end..]),
-        })
-    }
-
-    /// The file of frame `number`.
-    pub fn file(&self, number: i32) -> PathBuf {
-        let mut name = self.before.clone();
-        name.push(format!("{number:0digits$}", digits = self.digits));
-        name.push(&self.after);
-        self.folder.join(name)
-    }
-}
-
-/// The first place for a number from `from` on: where it begins and ends, and its digits. Hashes, as printf
-/// has it (`%04d`), or as Houdini has it (`$F4`).
-fn place(name: &[u8], from: usize) -> Option<(usize, usize, usize)> {
-    (from..name.len()).find_map(|start| {
-        let rest = &name[start + 1..];
-        let digits = |bytes: &[u8]| bytes.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        let number = |bytes: &[u8]| match str::from_utf8(bytes) {
-            Ok("") => Some(1),
-            text => text.ok()?.parse().ok().filter(|digits| *digits <= MOST_DIGITS),
-        };
-        match name[start] {
-            b'#' => {
-                let more = rest.iter().take_while(|byte| **byte == b'#').count();
-                Some((start, start + 1 + more, 1 + more))
+/// The names of files of frames, such as `out/frame.####.exr`: `%04d` and `$F4` stand for the number, too.
+///
+/// # Errors
+/// [`Error::Argument`] where the name of `output` has no such place, or two.
+pub fn pattern(output: &Path) -> Result<Pattern> {
+    Pattern::of(output).map_err(|unfit| {
+        Error::Argument(format!(
+            "`{}` {}",
+            output.display(),
+            match unfit {
+                Unfit::NoPlace =>
+                    "has no place for the frame's number: write #### there, such as frame.####.png, or name a movie, \
+                     .mp4 or .webm",
+                Unfit::TwoPlaces => "has two places for the frame's number: leave one",
             }
-            b'%' => {
-                let count = digits(rest);
-                let is_number = rest.get(count) == Some(&b'd');
-                Some((start, start + 2 + count, number(&rest[..count]).filter(|_| is_number)?))
-            }
-            b'$' if rest.first() == Some(&b'F') => {
-                let count = digits(&rest[1..]);
-                let ends = !rest.get(1 + count).is_some_and(u8::is_ascii_alphanumeric);
-                Some((start, start + 2 + count, number(&rest[1..=count]).filter(|_| ends)?))
-            }
-            _ => None,
-        }
+        ))
     })
-}
-
-/// A part of a name, which need be no UTF-8 where the system has it so.
-#[cfg(unix)]
-fn part(bytes: &[u8]) -> OsString {
-    <OsStr as std::os::unix::ffi::OsStrExt>::from_bytes(bytes).to_owned()
-}
-
-/// A part of a name.
-#[cfg(not(unix))]
-fn part(bytes: &[u8]) -> OsString {
-    String::from_utf8_lossy(bytes).into_owned().into()
 }
 
 #[cfg(test)]
@@ -263,28 +190,5 @@ mod tests {
         for bad in ["", "0", "-24", "24/0", "nan", "inf", "1e300", "24/", "/3", "1/2/3", "24fps"] {
             assert!(rate(bad).unwrap_err().contains("24000/1001"), "{bad}");
         }
-    }
-
-    #[test]
-    fn hashes_become_the_number() {
-        let file = |text: &str, number| Pattern::of(Path::new(text)).map(|p| p.file(number)).ok();
-        assert_eq!(file("out/a.####.exr", 7), Some("out/a.0007.exr".into()));
-        assert_eq!(file("a#.png", 123), Some("a123.png".into()));
-        assert_eq!(file("a.png", 1), None);
-        assert_eq!(file("a#b#.png", 1), None);
-        assert_eq!(file("out/a.%04d.exr", 7), Some("out/a.0007.exr".into()));
-        assert_eq!(file("a%d.png", 12345), Some("a12345.png".into()));
-        assert_eq!(file("a.$F4.exr", 7), Some("a.0007.exr".into()));
-        assert_eq!(file("a_$F_b.exr", 7), Some("a_7_b.exr".into()));
-        assert_eq!(file("a.####.exr", -7), Some("a.-007.exr".into()));
-        assert_eq!(file("50%.$FF.##.png", 7), Some("50%.$FF.07.png".into()));
-        for bad in ["a.%04d.##.exr", "a%f.png", "a$G4.png", "%99999999999d.png", "a%"] {
-            assert_eq!(file(bad, 1), None, "{bad}");
-        }
-        let (long, short) = ("#".repeat(40), "#".repeat(32));
-        assert_eq!(
-            (file(&long, 1), file(&short, 1)),
-            (Some(format!("{:040}", 1).into()), Some(format!("{:032}", 1).into()))
-        );
     }
 }

@@ -20,9 +20,9 @@ use clap::Args;
 use serde::Serialize;
 
 use self::{
-    frames::{Frames, Pattern, Shard, numbered, set_fps},
+    frames::{Frames, Shard, numbered, pattern, set_fps},
     movie::{Container, Movie},
-    stamp::Stamp,
+    stamp::{Stamp, identity},
 };
 use super::{
     camera::CameraOption,
@@ -35,6 +35,7 @@ use crate::{
     export::{self, Header, Notes},
     files::{check_place, write_whole},
     gpu,
+    numbered::Pattern,
     render::Frame,
     scene::{Movement, Scene},
 };
@@ -138,10 +139,10 @@ impl Sequence {
             let moment = at(time)?;
             let mut beside = exposed_by.clone();
             if self.picture.sees_motion() {
-                beside += &at(time + 1.0 / fps)?.to_json();
+                beside += &identity(&at(time + 1.0 / fps)?);
             }
             for moment in self.picture.moments(&Scene { time, ..scene.clone() }, fps)? {
-                beside += &at(moment)?.to_json();
+                beside += &identity(&at(moment)?);
             }
             Ok(Still { number, fps, time, stamp: Stamp::new(&moment, &self.picture, &beside) })
         })
@@ -171,7 +172,7 @@ impl Sequence {
         if self.from.is_some() {
             return Err(Error::Argument("--from is for movies: name one, .mp4 or .webm".to_owned()));
         }
-        let pattern = Pattern::of(&self.output)?;
+        let pattern = pattern(&self.output)?;
         let format = Format::of(&self.output)?;
         // EXR files tell their frame's number and time.
         let has_no_header = matches!(format, Format::Png);
@@ -371,7 +372,7 @@ fn kept(whole: usize, of: usize) -> String {
 /// The pictures that a movie is made of.
 fn drawn_before(files: &Path) -> Result<Pattern> {
     match Format::of(files)? {
-        Format::Png => Pattern::of(files),
+        Format::Png => pattern(files),
         Format::Exr => Err(Error::Argument(format!(
             "--from `{}`: movies are made of .png files, which are toned as the movie is",
             files.display()

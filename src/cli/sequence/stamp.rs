@@ -13,6 +13,12 @@ use crate::{
 /// Name of the note in a frame's file.
 const NOTE: &str = "nephos.frame";
 
+/// A moment as text, and what is in the files of its volumes: those may have changed under their names.
+pub fn identity(moment: &Scene) -> String {
+    let files = moment.clouds.iter().filter_map(|cloud| cloud.volume.as_ref()?.fingerprint());
+    files.fold(moment.to_json(), |text, file| text + &format!("{file:016x}"))
+}
+
 /// Fingerprint of a moment and of how it is drawn: 128 bits, in hexadecimal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stamp(String);
@@ -27,13 +33,9 @@ impl Stamp {
         let mut options = picture.clone();
         options.adapter = None;
         options.fill_in();
-        for text in [env!("CARGO_PKG_VERSION"), &nameless.to_json(), &format!("{options:?}"), beside] {
+        for text in [env!("CARGO_PKG_VERSION"), &identity(&nameless), &format!("{options:?}"), beside] {
             hasher.write(text.as_bytes());
             hasher.write_u8(0xff);
-        }
-        // A file may have changed under its name.
-        for grid in moment.clouds.iter().filter_map(|cloud| cloud.volume.as_ref()?.read_grid()) {
-            hasher.write_u64(grid.fingerprint);
         }
         Self(format!("{:032x}", hasher.finish128().as_u128()))
     }

@@ -4,7 +4,15 @@ use eframe::egui::{DragValue, Ui};
 use egui_phosphor::regular as icon;
 use glam::DVec3;
 
-use super::{apply, droplets::droplets, growth::growth, hint, layer::layer, section, volume::volume};
+use super::{
+    apply,
+    droplets::droplets,
+    growth::growth,
+    hint,
+    layer::layer,
+    section,
+    volume::{sequence, volume},
+};
 use crate::{
     editor::{
         Document, EllipsoidId,
@@ -42,6 +50,9 @@ impl ObjectPanel {
         section(ui, "Cloud", true, |ui| cloud_fields(ui, document, index, cloud.clone()));
         if cloud.volume.is_some() {
             section(ui, "Volume", true, |ui| volume(ui, document, index, &cloud));
+        }
+        if cloud.volume.as_ref().is_some_and(|volume| volume.steps().is_some()) {
+            section(ui, "Sequence", true, |ui| sequence(ui, document, index, &cloud));
             section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
             return;
         }

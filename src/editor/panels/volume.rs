@@ -5,7 +5,7 @@ use eframe::egui::Ui;
 use super::{apply, hint, object::path};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Cloud, Grid, Up, Volume, timeline::Owner},
+    scene::{Between, Beyond, Cloud, Grid, Sequence, Timeline, Up, Volume, timeline::Owner},
 };
 
 /// The numbers of a cloud that is a volume.
@@ -29,15 +29,49 @@ pub(super) fn volume(ui: &mut Ui, document: &mut Document, index: usize, cloud: 
     apply(document, change, |scene| scene.clouds[index].volume = Some(volume));
 }
 
+/// How a cloud that is a volume goes through its steps.
+pub(super) fn sequence(ui: &mut Ui, document: &mut Document, index: usize, cloud: &Cloud) {
+    let Some(mut volume) = cloud.volume.clone() else { return };
+    let mut sequence = volume.sequence.clone().unwrap_or_default();
+    let rate = document.scene().timeline.as_ref().map_or(Timeline::default().fps, |timeline| timeline.fps);
+    let mut fps = sequence.fps.unwrap_or(rate);
+    let usual = Sequence::default();
+    let mut form = Form::new(ui).keyed(document, &path(document, Owner::Cloud(index)));
+    form.slider("Sequence.fps", "Steps per second", &mut fps, rate, 1.0..=60.0);
+    form.number("Sequence.start", "Start", &mut sequence.start, usual.start);
+    let beyond = [
+        ("Hold", choice("Beyond.hold"), Beyond::Hold),
+        ("Loop", choice("Beyond.loop"), Beyond::Loop),
+        ("Nothing", choice("Beyond.nothing"), Beyond::Nothing),
+    ];
+    form.choice("Sequence.before", "Before the first", &mut sequence.before, &beyond);
+    form.choice("Sequence.after", "After the last", &mut sequence.after, &beyond);
+    let between = [
+        ("Auto", choice("Between.auto"), Between::Auto),
+        ("Nearest", choice("Between.nearest"), Between::Nearest),
+        ("Blend", choice("Between.blend"), Between::Blend),
+        ("Flow", choice("Between.flow"), Between::Flow),
+    ];
+    form.choice("Sequence.between", "Between steps", &mut sequence.between, &between);
+    let change = form.changed();
+    // Without a number of its own it goes on following the timeline.
+    sequence.fps = sequence.fps.map(|_| fps).or((fps != rate).then_some(fps));
+    volume.sequence = Some(sequence);
+    apply(document, change, |scene| scene.clouds[index].volume = Some(volume));
+}
+
 /// What the file holds.
 fn told(volume: &Volume) -> String {
     let Some(grid) = volume.read_grid() else {
         return format!("{} was not read: open the scene anew.", volume.file);
     };
     let size = grid.size();
-    let memory = grid.bytes() as f64 / f64::from(1 << 20);
+    let of = match volume.steps() {
+        Some((first, last, count)) => format!("{count} steps, {first} to {last}, the first one of"),
+        None => format!("{:.1} MiB,", grid.bytes() as f64 / f64::from(1 << 20)),
+    };
     format!(
-        "`{}` of {}: {} x {} x {} voxels, {memory:.1} MiB. Drop another file into the window to add it.",
+        "`{}` of {}: {of} {} x {} x {} voxels. Drop another file into the window to add it.",
         grid.name, volume.file, size.x, size.y, size.z
     )
 }

@@ -55,7 +55,7 @@ impl VolumeShape {
     /// # Errors
     /// Where it was not read, or has more bricks than a device holds.
     pub fn new(volume: &Volume, origin: DVec3) -> Result<Self> {
-        let grid = volume.read_grid().ok_or_else(|| volume.unread())?;
+        let grid = volume.grid()?;
         let bricks = Bricks::of(grid)
             .map_err(|problem| Error::Argument(format!("the volume `{}` {problem}", volume.file)))?;
         let frame = DAffine3::from_translation(-origin);

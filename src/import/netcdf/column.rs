@@ -1,8 +1,56 @@
 //! Columns of cells of uneven heights, brought to even ones so that each keeps what it holds.
 
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::super::bytes::Problem;
+use crate::scene::Grid;
+
+/// Columns of cells, x fastest.
+pub(super) struct Columns<'a> {
+    /// Levels, rows, columns.
+    pub size: [usize; 3],
+    /// Heights of the walls of the cells of a column, m, lowest first.
+    pub walls: &'a dyn Fn(usize) -> Vec<f64>,
+    /// What a cell of a column holds, each metre.
+    pub amount: &'a dyn Fn(usize, usize) -> f64,
+    /// Height that even cells begin at, or below it where there are any, m.
+    pub floor: f64,
+    pub most_heights: f64,
+}
+
+impl Columns<'_> {
+    /// They as a grid with z up, on even heights as thin as the thinnest cell: the middle of the first column is at `corner`, the
+    /// others `steps` apart, m.
+    pub fn grid(&self, name: &str, corner: [f64; 2], steps: [f64; 2]) -> Result<Grid, Problem> {
+        let [levels, rows, columns] = self.size;
+        let (mut lowest, mut highest, mut thinnest) = (self.floor, f64::NEG_INFINITY, f64::INFINITY);
+        for column in 0..rows * columns {
+            let walls = (self.walls)(column);
+            lowest = walls.iter().copied().fold(lowest, f64::min);
+            highest = walls.iter().copied().fold(highest, f64::max);
+            thinnest = walls.windows(2).map(|wall| wall[1] - wall[0]).fold(thinnest, f64::min);
+        }
+        let edge = thinnest.max((highest - lowest) / self.most_heights);
+        let count = ((highest - lowest) / edge).ceil().max(1.0) as usize;
+        let mut values = vec![0.0f32; count * rows * columns];
+        for column in 0..rows * columns {
+            let walls: Vec<f64> = (self.walls)(column).into_iter().map(|wall| wall - lowest).collect();
+            let amounts: Vec<f64> = (0..levels).map(|level| (self.amount)(column, level)).collect();
+            for (height, value) in even(&walls, &amounts, edge, count).into_iter().enumerate() {
+                values[height * rows * columns + column] = value as f32;
+            }
+        }
+        let corner = DVec3::new(corner[0], corner[1], lowest + 0.5 * edge);
+        let edges = DVec3::new(steps[0], steps[1], edge);
+        let place = DAffine3::from_mat3_translation(DMat3::from_diagonal(edges), corner);
+        let size = [columns, rows, count].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        Grid::dense(name.to_owned(), place, size, values.into_iter())
+    }
+}
+
 /// Amounts each metre in even cells of `edge` m from the height 0 on, of cells whose walls are at `walls`, m, lowest
 /// first, and which hold `amounts` each metre. What is below 0 goes into the lowest cell.
-pub(super) fn even(walls: &[f64], amounts: &[f64], edge: f64, count: usize) -> Vec<f64> {
+fn even(walls: &[f64], amounts: &[f64], edge: f64, count: usize) -> Vec<f64> {
     let mut cells = vec![0.0; count];
     for (pair, amount) in walls.windows(2).zip(amounts) {
         let (low, high) = (pair[0] / edge, pair[1] / edge);

@@ -1,10 +1,14 @@
-//! NetCDF: output of the weather model WRF, by its own names.
+//! NetCDF: output of the weather model WRF, by its own names, and plain grids by theirs.
 
 mod column;
+mod plain;
 mod wrf;
 
-use netcdf_reader::{NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem};
+use std::{path::Path, sync::Arc};
 
+use netcdf_reader::{FileStorage, NcFile, NcOpenOptions, NcSliceInfo, NcSliceInfoElem, NcVariable};
+
+use self::plain::Plain;
 use super::{bytes::Problem, volume::Found};
 use crate::scene::{Grid, Species};
 
@@ -22,11 +26,69 @@ pub(super) fn is_one(bytes: &[u8]) -> bool {
     HEADS.iter().any(|head| bytes.starts_with(head))
 }
 
-/// The water at the time `step` (0 is the first): all of it, as `density`, and each kind.
-pub(super) fn read(bytes: &[u8], step: u32) -> Result<Vec<Found>, Problem> {
-    let options = NcOpenOptions { max_read_bytes: MOST_BYTES, ..Default::default() };
-    let file = NcFile::from_bytes_with_options(bytes, options)
-        .map_err(|error| format!("is no NetCDF file that can be read ({error}): copy or write it again"))?;
+/// Opens a file, of which only what is asked for is read.
+pub(super) fn open(path: &Path) -> Result<NcFile, Problem> {
+    let storage = FileStorage::open(path).map_err(unreadable)?;
+    NcFile::from_storage_with_options(Arc::new(storage), options()).map_err(unreadable)
+}
+
+/// Opens the bytes of a file.
+pub(super) fn open_bytes(bytes: &[u8]) -> Result<NcFile, Problem> {
+    NcFile::from_bytes_with_options(bytes, options()).map_err(unreadable)
+}
+
+fn options() -> NcOpenOptions {
+    NcOpenOptions { max_read_bytes: MOST_BYTES, ..Default::default() }
+}
+
+fn unreadable(error: impl std::fmt::Display) -> Problem {
+    format!("is no NetCDF file that can be read ({error}): copy or write it again")
+}
+
+/// How many times there are.
+pub(super) fn times(file: &NcFile) -> Result<i32, Problem> {
+    let of_weather = waters(file).next().and_then(|variable| variable.shape().first().copied());
+    let times = match of_weather {
+        Some(times) => Some(times),
+        None => Plain::all(file)?.iter().map(Plain::times).max(),
+    };
+    times.and_then(|times| i32::try_from(times).ok()).ok_or_else(|| no_water(file))
+}
+
+/// Water by WRF's names.
+fn waters(file: &NcFile) -> impl Iterator<Item = &NcVariable> {
+    wrf::KINDS.iter().filter_map(|(name, ..)| file.variable(name).ok())
+}
+
+fn no_water(file: &NcFile) -> Problem {
+    let names =
+        file.variables().map(|all| all.iter().map(|variable| variable.name().to_owned()).collect::<Vec<_>>());
+    format!(
+        "has no water by WRF's names ({}) and nothing over height, y and x: it has {}",
+        wrf::KINDS.map(|(name, ..)| name).join(", "),
+        names.unwrap_or_default().join(", ")
+    )
+}
+
+/// The water at the time `step` (0 is the first): of WRF all of it, as `density`, and each kind; else each variable over
+/// three axes, of which one may be `wanted`.
+pub(super) fn read(file: NcFile, step: u32, wanted: Option<&str>) -> Result<Vec<Found>, Problem> {
+    if waters(&file).next().is_some() {
+        return weather(file, step);
+    }
+    let all = Plain::all(&file)?;
+    if all.is_empty() {
+        return Err(no_water(&file));
+    }
+    let found = all.iter().map(|plain| {
+        let is_wanted = wanted.is_none_or(|wanted| wanted == plain.name());
+        let grid = if is_wanted { plain.grid(step) } else { Err("was not asked for".to_owned()) };
+        Found { name: plain.name().to_owned(), kind: plain.unit(), grid }
+    });
+    Ok(found.collect())
+}
+
+fn weather(file: NcFile, step: u32) -> Result<Vec<Found>, Problem> {
     let weather = wrf::Weather::read(&Source { file, step })?;
     let mut found: Vec<Found> = Vec::new();
     for kind in weather.kinds() {
@@ -55,11 +117,6 @@ struct Field {
 }
 
 impl Source {
-    fn names(&self) -> Result<Vec<String>, Problem> {
-        let variables = self.file.variables().map_err(|error| damaged("its list of variables", &error))?;
-        Ok(variables.iter().map(|variable| variable.name().to_owned()).collect())
-    }
-
     /// A variable over time, levels, rows and columns, or without levels; `None` where there is none of that name.
     fn field(&self, name: &str) -> Result<Option<Field>, Problem> {
         let Ok(variable) = self.file.variable(name) else { return Ok(None) };

@@ -3,9 +3,7 @@
 //! Mixing ratios are kg of water each kg of dry air. Total pressure is P + PB (Pa), potential temperature T + 300 (K),
 //! geopotential PH + PHB (m^2/s^2) at the walls of levels (Skamarock et al. 2008, NCAR/TN-475+STR).
 
-use glam::{DAffine3, DMat3, DVec3};
-
-use super::{super::bytes::Problem, Field, Grid, Source, column};
+use super::{super::bytes::Problem, Field, Grid, Source, column::Columns};
 use crate::scene::Species;
 
 /// Kinds of water: WRF's name, what it is, and its effective radius, um.
@@ -47,12 +45,7 @@ impl Weather {
             water.extend(source.field(name)?.map(|field| (name, field)));
         }
         let Some(size) = water.first().map(|(_, field)| field.size) else {
-            let names = source.names()?;
-            return Err(format!(
-                "has no water by WRF's names ({}): it has {}",
-                KINDS.map(|(name, ..)| name).join(", "),
-                names.join(", ")
-            ));
+            return Err(super::no_water(&source.file));
         };
         let [levels, rows, columns] = size;
         let walls = [levels + 1, rows, columns];
@@ -88,7 +81,7 @@ impl Weather {
     fn check(&self) -> Result<(), Problem> {
         let known = |values: &[f64]| values.iter().all(|value| value.is_finite());
         let rising = (0..self.size[1] * self.size[2])
-            .all(|column| self.column(column).0.is_sorted_by(|low, high| low < high));
+            .all(|column| self.walls_of(column).is_sorted_by(|low, high| low < high));
         if !(known(&self.walls) && known(&self.air) && rising && self.steps.iter().all(|step| *step > 0.0)) {
             return Err(
                 "has heights or pressures that are none: give a time at which the model has run".to_owned()
@@ -102,11 +95,10 @@ impl Weather {
         self.water.iter().map(|(name, _)| *name)
     }
 
-    /// Walls of a column, and the places of its cells.
-    fn column(&self, column: usize) -> (Vec<f64>, impl Iterator<Item = usize> + use<>) {
+    /// Walls of a column.
+    fn walls_of(&self, column: usize) -> Vec<f64> {
         let [levels, rows, columns] = self.size;
-        let walls = (0..=levels).map(|level| self.walls[level * rows * columns + column]).collect();
-        (walls, (0..levels).map(move |level| level * rows * columns + column))
+        (0..=levels).map(|level| self.walls[level * rows * columns + column]).collect()
     }
 
     /// Extinction coefficient of some kinds of water together, 1/m.
@@ -124,30 +116,16 @@ impl Weather {
     /// the height of the sea. Each column keeps its optical depth.
     pub fn grid(&self, kinds: &[&str], name: &str) -> Result<Grid, Problem> {
         let [_, rows, columns] = self.size;
-        let lowest = self.walls.iter().copied().fold(0.0, f64::min);
-        let highest = self.walls.iter().copied().fold(0.0, f64::max);
-        let thinnest = (0..rows * columns)
-            .flat_map(|column| {
-                self.column(column).0.windows(2).map(|wall| wall[1] - wall[0]).collect::<Vec<_>>()
-            })
-            .fold(f64::INFINITY, f64::min);
-        let edge = thinnest.max((highest - lowest) / MOST_HEIGHTS);
-        let count = ((highest - lowest) / edge).ceil().max(1.0) as usize;
-        let mut values = vec![0.0f32; count * rows * columns];
-        for column in 0..rows * columns {
-            let (walls, cells) = self.column(column);
-            let walls: Vec<f64> = walls.into_iter().map(|wall| wall - lowest).collect();
-            let amounts: Vec<f64> = cells.map(|cell| self.extinction(kinds, cell)).collect();
-            for (height, value) in column::even(&walls, &amounts, edge, count).into_iter().enumerate() {
-                values[height * rows * columns + column] = value as f32;
-            }
-        }
-        let [x, y] = self.steps;
-        let corner =
-            DVec3::new(-0.5 * (columns - 1) as f64 * x, -0.5 * (rows - 1) as f64 * y, lowest + 0.5 * edge);
-        let place = DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::new(x, y, edge)), corner);
-        let size = [columns, rows, count].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
-        let mut grid = Grid::dense(name.to_owned(), place, size, values.into_iter())?;
+        let steps = self.steps;
+        let corner = [columns, rows].map(|n| -0.5 * (n - 1) as f64);
+        let all = Columns {
+            size: self.size,
+            walls: &|column| self.walls_of(column),
+            amount: &|column, level| self.extinction(kinds, level * rows * columns + column),
+            floor: 0.0,
+            most_heights: MOST_HEIGHTS,
+        };
+        let mut grid = all.grid(name, [corner[0] * steps[0], corner[1] * steps[1]], steps)?;
         grid.quantity = "extinction coefficient, 1/m".to_owned();
         Ok(grid)
     }
@@ -200,10 +178,10 @@ mod tests {
                     found[at.y as usize * columns + at.x as usize] += f64::from(value) * edge;
                 }
                 for (column, found) in found.into_iter().enumerate() {
-                    let (walls, cells) = weather.column(column);
-                    let thick =
-                        |(wall, cell): (&[f64], usize)| (wall[1] - wall[0]) * weather.extinction(kinds, cell);
-                    let wanted: f64 = walls.windows(2).zip(cells).map(thick).sum();
+                    let thick = |(level, wall): (usize, &[f64])| {
+                        (wall[1] - wall[0]) * weather.extinction(kinds, level * rows * columns + column)
+                    };
+                    let wanted: f64 = weather.walls_of(column).windows(2).enumerate().map(thick).sum();
                     assert!((found - wanted).abs() < 1e-5 * wanted + 1e-9, "{column}: {found} for {wanted}");
                 }
             }

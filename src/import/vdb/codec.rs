@@ -19,15 +19,44 @@ const MASK_AND_ONE: u8 = 4;
 const MASK_AND_TWO: u8 = 5;
 const ALL: u8 = 6;
 
-/// Bytes of a number in a file.
+/// Kinds of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Number {
+pub(super) enum Kind {
     Half,
     Float,
     Double,
 }
 
+/// A value in a file: a number, or one of the three of a vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Number {
+    pub kind: Kind,
+    /// How many there are together, and which one is read.
+    pub lanes: usize,
+    pub lane: usize,
+}
+
 impl Number {
+    /// One by itself.
+    pub const fn of(kind: Kind) -> Self {
+        Self { kind, lanes: 1, lane: 0 }
+    }
+
+    fn bytes(self) -> usize {
+        self.lanes * self.kind.bytes()
+    }
+
+    fn in_bytes(self, bytes: &[u8]) -> f32 {
+        self.kind.number(bytes.get(self.lane * self.kind.bytes()..).unwrap_or_default())
+    }
+
+    /// One of them.
+    pub fn read(self, bytes: &mut Bytes<'_>) -> Result<f32, Problem> {
+        Ok(self.in_bytes(bytes.take(self.bytes())?))
+    }
+}
+
+impl Kind {
     fn bytes(self) -> usize {
         match self {
             Self::Half => 2,
@@ -36,18 +65,13 @@ impl Number {
         }
     }
 
-    fn of(self, bytes: &[u8]) -> f32 {
+    fn number(self, bytes: &[u8]) -> f32 {
         let at = |i: usize| bytes.get(i).copied().unwrap_or_default();
         match self {
             Self::Half => f16::from_le_bytes([at(0), at(1)]).to_f32(),
             Self::Float => f32::from_le_bytes([0, 1, 2, 3].map(at)),
             Self::Double => f64::from_le_bytes([0, 1, 2, 3, 4, 5, 6, 7].map(at)) as f32,
         }
-    }
-
-    /// One of them.
-    pub fn read(self, bytes: &mut Bytes<'_>) -> Result<f32, Problem> {
-        Ok(self.of(bytes.take(self.bytes())?))
     }
 }
 
@@ -103,7 +127,8 @@ impl Packing {
         }
         let width = self.packed.bytes();
         let size = count * width;
-        let numbers = |raw: &[u8]| raw.chunks_exact(width).map(|number| self.packed.of(number)).collect();
+        let numbers =
+            |raw: &[u8]| raw.chunks_exact(width).map(|number| self.packed.in_bytes(number)).collect();
         if self.compression & (ZIP | BLOSC) == 0 {
             return bytes.take(size).map(numbers);
         }

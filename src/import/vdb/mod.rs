@@ -1,19 +1,19 @@
-//! OpenVDB, the film industry's sparse volumes: float grids of versions 220 to 225.
+//! OpenVDB, the film industry's sparse volumes: float grids of versions 220 to 225, and velocities beside them.
 
 mod codec;
 mod tree;
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::{
     bytes::{Bytes, Problem},
     volume::Found,
 };
-use crate::scene::Grid;
+use crate::scene::{BLOCK_VOXELS, Block, Grid, Velocity};
 use crate::vdb::{ACTIVE_MASK, MAGIC, ZIP};
-use codec::{NODE_MASKS, Number, Packing};
+use codec::{Kind, NODE_MASKS, Number, Packing};
 use tree::Tree;
 
 /// Versions of the format that are read.
@@ -44,11 +44,66 @@ struct Descriptor {
 /// Numbers of the values of a type of grid, where those are read.
 fn number(kind: &str) -> Option<Number> {
     match kind {
-        "Tree_float_5_4_3" => Some(Number::Float),
-        "Tree_double_5_4_3" => Some(Number::Double),
-        "Tree_half_5_4_3" => Some(Number::Half),
+        "Tree_float_5_4_3" => Some(Number::of(Kind::Float)),
+        "Tree_double_5_4_3" => Some(Number::of(Kind::Double)),
+        "Tree_half_5_4_3" => Some(Number::of(Kind::Half)),
         _ => None,
     }
+}
+
+/// Names of grids of velocities: Houdini's, and what simulations and Blender call them.
+const VELOCITIES: [&str; 3] = ["vel", "v", "velocity"];
+
+/// How fast what is in a file goes, where a grid of vectors of one of [`VELOCITIES`]' names tells that.
+///
+/// # Errors
+/// Where that is damaged, as the rest of a sentence.
+pub(super) fn velocity(all: &[u8]) -> Result<Option<Velocity>, Problem> {
+    let mut bytes = Bytes::new(all);
+    let mut head = head(&mut bytes)?;
+    // Without places of grids nobody knows where the next one is.
+    for _ in 0..if head.has_offsets { count(&mut bytes)? } else { 0 } {
+        let grid = descriptor(&mut bytes)?;
+        let kind = match grid.kind.as_str() {
+            "Tree_vec3s_5_4_3" => Some(Kind::Float),
+            "Tree_vec3d_5_4_3" => Some(Kind::Double),
+            _ => None,
+        };
+        if let Some(kind) =
+            kind.filter(|_| VELOCITIES.contains(&grid.name.as_str()) && grid.shares.is_empty())
+        {
+            bytes.seek(grid.begin)?;
+            return vectors(&mut head, &grid, kind, bytes).map(Some);
+        }
+        bytes.seek(grid.end)?;
+    }
+    Ok(None)
+}
+
+/// A grid of vectors: their numbers one after the other.
+fn vectors(head: &mut Head, grid: &Descriptor, kind: Kind, bytes: Bytes<'_>) -> Result<Velocity, Problem> {
+    let mut velocity = Velocity { place: DAffine3::IDENTITY, blocks: HashMap::new() };
+    for lane in 0..3 {
+        let mut bytes = bytes;
+        let number = Number { kind, lanes: 3, lane };
+        let (_, place, blocks) = tree(head, grid, number, &mut bytes)?;
+        velocity.place = place;
+        for block in blocks {
+            let vectors = velocity
+                .blocks
+                .entry(block.index.to_array())
+                .or_insert_with(|| Box::new([Vec3::ZERO; BLOCK_VOXELS]));
+            vectors.iter_mut().zip(block.values.iter()).for_each(|(vector, value)| vector[lane] = *value);
+        }
+    }
+    let known = |vectors: &[Vec3; BLOCK_VOXELS]| vectors.iter().all(|vector| vector.is_finite());
+    if !velocity.place.inverse().is_finite() || !velocity.blocks.values().all(|vectors| known(vectors)) {
+        return Err(format!(
+            "has velocities in `{}` that are no numbers, or that lie nowhere: export it without them",
+            grid.name
+        ));
+    }
+    Ok(velocity)
 }
 
 /// What is in a file: each of its grids, read where it can be.
@@ -58,12 +113,8 @@ fn number(kind: &str) -> Option<Number> {
 pub(super) fn read(all: &[u8], wanted: Option<&str>) -> Result<Vec<Found>, Problem> {
     let mut bytes = Bytes::new(all);
     let mut head = head(&mut bytes)?;
-    let count = bytes.u32()?;
-    if count > MOST_GRIDS {
-        return Err(format!("would have {count} grids: it is damaged; export it again"));
-    }
     let mut found = Vec::new();
-    for _ in 0..count {
+    for _ in 0..count(&mut bytes)? {
         let grid = descriptor(&mut bytes)?;
         if head.has_offsets {
             bytes.seek(grid.begin)?;
@@ -125,6 +176,15 @@ fn head(bytes: &mut Bytes<'_>) -> Result<Head, Problem> {
     Ok(Head { version, compression, has_offsets })
 }
 
+/// How many grids there are.
+fn count(bytes: &mut Bytes<'_>) -> Result<u32, Problem> {
+    let count = bytes.u32()?;
+    if count > MOST_GRIDS {
+        return Err(format!("would have {count} grids: it is damaged; export it again"));
+    }
+    Ok(count)
+}
+
 fn descriptor(bytes: &mut Bytes<'_>) -> Result<Descriptor, Problem> {
     let (name, kind, shares) = (bytes.text()?, bytes.text()?, bytes.text()?);
     let (kind, as_halves) = match kind.strip_suffix(AS_HALVES) {
@@ -155,6 +215,17 @@ fn read_grid(
     number: Number,
     bytes: &mut Bytes<'_>,
 ) -> Result<Grid, Problem> {
+    let (quantity, place, blocks) = tree(head, grid, number, bytes)?;
+    Grid::new(grid.name.clone(), quantity, place, blocks)
+}
+
+/// What a grid says of its values' unit, where it lies, and one number of each of its values.
+fn tree(
+    head: &mut Head,
+    grid: &Descriptor,
+    number: Number,
+    bytes: &mut Bytes<'_>,
+) -> Result<(String, DAffine3, Vec<Block>), Problem> {
     if head.version >= NODE_MASKS {
         head.compression = bytes.u32()?;
     }
@@ -172,12 +243,12 @@ fn read_grid(
         version: head.version,
         compression: head.compression,
         number,
-        packed: if grid.as_halves { Number::Half } else { number },
+        packed: if grid.as_halves { Number { kind: Kind::Half, ..number } } else { number },
         background: 0.0,
     };
     let (blocks, rest) = Tree::read(*bytes, packing)?;
     *bytes = rest;
-    Grid::new(grid.name.clone(), told("quantity").to_owned(), place, blocks)
+    Ok((told("quantity").to_owned(), place, blocks))
 }
 
 /// From numbers of voxels to the file's lengths.
