@@ -16,8 +16,6 @@ override BEYOND: f32 = 0.0;
 
 // Half floats end beyond.
 const MOST: vec4f = vec4f(60000.0);
-// Most of the mean light that comes on top or is taken off.
-const MOST_BEYOND: f32 = 0.5;
 
 // What the coarser field has in the middle of a cell.
 fn coarse_at(light: u32, cell: u32) -> array<vec4f, 4> {
@@ -35,11 +33,6 @@ fn coarse_at(light: u32, cell: u32) -> array<vec4f, 4> {
     return sum;
 }
 
-// How much of what would come on top does.
-fn bounded(mean: f32, beyond: f32) -> f32 {
-    return min(1.0, MOST_BEYOND * abs(mean) / max(abs(beyond), 1e-30));
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let count = field_cells(field);
@@ -49,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let at = id.y * count + id.x;
     let scattered = harmonics_scattered(moments[at], degrees);
     let before = coarse_at(id.y, id.x);
-    let share = BEYOND * bounded(scattered[0].x, BEYOND * (scattered[0].x - before[0].x));
+    let share = field_beyond(scattered[0].x, before[0].x, BEYOND);
     for (var i = 0u; i < 4u; i++) {
         let value = clamp(scattered[i] + share * (scattered[i] - before[i]), -MOST, MOST);
         kept[at][i] = vec2u(pack2x16float(value.xy), pack2x16float(value.zw));

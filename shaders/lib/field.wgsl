@@ -106,6 +106,15 @@ fn field_cell(field: Field, extinction: f32, lit: f32, open: f32) -> FieldCell {
     return FieldCell(mean, select(0.125 * open, min(lit / extinction, most), extinction > 0.0));
 }
 
+// Most of the mean light of a cell that a coarser field adds or takes off.
+const MOST_BEYOND: f32 = 0.5;
+
+// How much of the difference between a cell's light and that of a coarser field comes on top: `share` of it, where that is
+// not too much of the mean light `here`, which is `before` on the coarser one.
+fn field_beyond(here: f32, before: f32, share: f32) -> f32 {
+    return min(share, MOST_BEYOND * abs(here) / max(abs(here - before), 1e-30));
+}
+
 // Where a texture that stacks `blocks` fields along z has block `block` of a point, whose
 // coordinates in the box are from 0 to 1.
 fn field_coordinate(inside: vec3f, depth: f32, block: u32, blocks: u32) -> vec3f {

@@ -93,6 +93,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
     (
         "sums over samples, cells, rays, orders or ellipsoids, each of which the library weighs",
         &[
+            ("moments_keep", "coarse_at"),
             ("moments_prolong", "interpolated"),
             ("moments_restrict", "averaged"),
             ("moments_scatter", "gathered"),

@@ -126,6 +126,16 @@ fn cells() -> Vec<Twin> {
             let first = [random.log(1e-6, 100.0), 0.0, 0.0, 0.0];
             field(random, first)
         }),
+        Twin::new("field_beyond", "field", "return vec4f(field_beyond(x[0].x, x[0].y, x[0].z));", |x| {
+            let [here, before, share, _] = x[0];
+            let most = 0.5 * here;
+            one(if share * (here - before).abs() <= most { share } else { most / (here - before).abs() })
+        })
+        .over("all", |random| {
+            let here = random.log(1e-3, 10.0);
+            let before = here * random.log(0.1, 100.0);
+            input([vector(DVec3::new(here, before, random.between(0.0, 1.0)), 0.0)])
+        }),
         Twin::new("field_length", "field", "return vec4f(field_length(made(x)));", |x| one(length(x)))
             .declaring(FIELD)
             .over("all", |random| field(random, [0.0; 4])),
