@@ -207,8 +207,9 @@ impl Volume {
         }
     }
 
-    /// Differs where what its files hold does.
-    pub(crate) fn fingerprint(&self) -> Option<u64> {
+    /// A number that differs where what its files hold does, for who keeps what was made of them; `None` where they were
+    /// not read.
+    pub fn fingerprint(&self) -> Option<u64> {
         match (&self.opened.steps, &self.opened.shown) {
             (Some(steps), Some(shown)) => Some(steps.fingerprint(shown)),
             _ => Some(self.read_grid()?.fingerprint),
