@@ -88,11 +88,13 @@ impl Number {
     }
 
     fn read(self, bytes: &mut Bytes<'_>, is_big: bool) -> Result<f64, Problem> {
-        let mut raw = [0; 8];
-        let taken = bytes.take(self.size())?;
         // The least significant byte first.
-        let ordered: Vec<u8> = if is_big { taken.iter().rev().copied().collect() } else { taken.to_vec() };
-        raw.iter_mut().zip(&ordered).for_each(|(to, from)| *to = *from);
+        let mut raw = [0; 8];
+        let own = &mut raw[..self.size()];
+        own.copy_from_slice(bytes.take(self.size())?);
+        if is_big {
+            own.reverse();
+        }
         let whole = u64::from_le_bytes(raw);
         let unused = 64 - 8 * self.size() as u32;
         Ok(match self {

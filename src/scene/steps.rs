@@ -13,6 +13,8 @@ use super::flow::{self, End, Motion, Velocity};
 use super::grid::fingerprint;
 use super::sequence::{Between, Mix, Shown, Way};
 use super::{Grid, Opened, Volume};
+#[cfg(feature = "import")]
+use crate::import::{times_in, velocity_in};
 use crate::{
     Error, Result,
     numbered::{Pattern, Unfit},
@@ -356,9 +358,6 @@ impl Drop for GivenUp<'_> {
         steps.news.notify_all();
     }
 }
-
-#[cfg(feature = "import")]
-use crate::import::{times_in, velocity_in};
 
 #[cfg(not(feature = "import"))]
 fn times_in(path: &Path) -> Result<i32> {

@@ -12,6 +12,7 @@ mod layer_tile;
 mod mixed;
 mod mixture;
 mod noise;
+mod noise_volume;
 mod species;
 mod volume;
 mod world;
@@ -41,8 +42,9 @@ pub(crate) use mixed::{
 };
 #[cfg(test)]
 pub(crate) use noise::FINE;
-pub(crate) use noise::{NoiseFrame, upload as upload_noise};
-pub use noise::{SIZE as NOISE_SIZE, bake as bake_noise};
+pub(crate) use noise::NoiseFrame;
+pub(crate) use noise_volume::upload as upload_noise;
+pub use noise_volume::{SIZE as NOISE_SIZE, bake as bake_noise};
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
 pub(crate) use volume::{VOLUME, VolumeShape, VolumeUniform};
 pub(crate) use world::{Part, World};

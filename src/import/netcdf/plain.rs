@@ -74,9 +74,7 @@ impl<'a> Plain<'a> {
     }
 
     fn of(file: &'a NcFile, variable: &'a NcVariable) -> Option<Self> {
-        let names: Vec<&str> =
-            variable.dimensions().iter().map(|dimension| dimension.name.as_str()).collect();
-        let axes = axes(&names)?;
+        let axes = axes(&dimensions(variable))?;
         Some(Self { file, variable, axes, measure: Measure::of(&text(variable, "units")) })
     }
 
@@ -223,10 +221,7 @@ impl<'a> Plain<'a> {
         let Some(variable) = DENSITIES.iter().find_map(|name| self.file.variable(name).ok()) else {
             return Ok(spread(heights.iter().map(|height| standard_air(*height)).collect()));
         };
-        let names: Vec<&str> =
-            variable.dimensions().iter().map(|dimension| dimension.name.as_str()).collect();
-        let own: Vec<&str> =
-            self.variable.dimensions().iter().map(|dimension| dimension.name.as_str()).collect();
+        let (names, own) = (dimensions(variable), dimensions(self.variable));
         let air: Vec<f64> = match names.as_slice() {
             names if own.ends_with(names) && names.len() >= 3 => self.values(variable, step, falls)?,
             [.., height] if *height == self.dimension(2) && names.len() <= 2 => {
@@ -274,6 +269,11 @@ fn axes(names: &[&str]) -> Option<[usize; 3]> {
         [Some(x), Some(y), Some(z)] => Some([x, y, z]),
         _ => Some([first + 2, first + 1, first]),
     }
+}
+
+/// Names of the dimensions of a variable, slowest first.
+fn dimensions(variable: &NcVariable) -> Vec<&str> {
+    variable.dimensions().iter().map(|dimension| dimension.name.as_str()).collect()
 }
 
 fn text(variable: &NcVariable, name: &str) -> String {

@@ -33,19 +33,26 @@ fn texels(level: &Level, lights: Lights) -> [u32; 3] {
     [size.x + 2, stacked * size.y, size.z + 2]
 }
 
-/// Moments of what each cell of a field scatters, half floats, with the field's buffer.
+/// What is kept of a solution: the field's buffer, and moments of degree 0 to 3 of what each cell scatters, half floats,
+/// by light and cell.
 pub(super) struct Kept {
     pub field: wgpu::Buffer,
     pub moments: wgpu::Buffer,
+}
+
+impl Kept {
+    /// Room for the solution on a level.
+    pub fn new(device: &wgpu::Device, level: &Level, lights: Lights) -> Self {
+        let size = u64::from(cells(&level.uniform) * lights.count()) * 32;
+        Self { field: level.buffer.clone(), moments: scratch(device, "solved moments", size) }
+    }
 }
 
 /// The solution for one light, or for red, green and blue.
 pub(in crate::render::light) struct SolvedLight {
     lights: Lights,
     cells: u32,
-    field: wgpu::Buffer,
-    /// Moments of degree 0 to 3 of what each cell scatters, half floats, by light and cell.
-    pub(super) kept: wgpu::Buffer,
+    kept: Kept,
     /// What goes to the eye: of the sun to first order in the direction, or red, green and blue.
     pub view: TextureView,
     /// Which eye that is; none yet where that is to be found.
@@ -55,28 +62,16 @@ pub(in crate::render::light) struct SolvedLight {
 }
 
 impl SolvedLight {
-    /// Room for the solution on a level.
-    pub(super) fn new(device: &wgpu::Device, level: &Level, lights: Lights) -> Self {
+    /// What was kept on a level, which no eye has seen yet.
+    pub(super) fn new(device: &wgpu::Device, level: &Level, lights: Lights, kept: Kept) -> Self {
         let cells = cells(&level.uniform);
         let texture = volume(device, "solved light", texels(level, lights));
-        Self {
-            lights,
-            cells,
-            field: level.buffer.clone(),
-            kept: scratch(device, "solved moments", u64::from(cells * lights.count()) * 32),
-            view: gpu::view(&texture),
-            eye: None,
-            bound: None,
-        }
-    }
-
-    pub(super) fn kept(&self) -> Kept {
-        Kept { field: self.field.clone(), moments: self.kept.clone() }
+        Self { lights, cells, kept, view: gpu::view(&texture), eye: None, bound: None }
     }
 
     /// Memory that it takes, bytes.
     pub fn bytes(&self) -> u64 {
-        self.kept.size() + 8 * u64::from(self.cells)
+        self.kept.moments.size() + 8 * u64::from(self.cells)
     }
 
     /// Finds what goes to all eyes at once: copies of a layer's cells are seen from everywhere.
@@ -90,7 +85,7 @@ impl SolvedLight {
             return;
         }
         let program = &programs[usize::from(self.lights == Lights::Sun)];
-        let buffers = [&self.field, &self.kept].map(|buffer| Some(buffer.as_entire_binding()));
+        let buffers = [&self.kept.field, &self.kept.moments].map(|buffer| Some(buffer.as_entire_binding()));
         let view = wgpu::BindingResource::TextureView(&self.view);
         let group = program.bind(device, &[buffers.to_vec(), vec![Some(view)]].concat());
         program.dispatch_over(encoder, &[&group], [self.cells, 1, 1], None);
@@ -113,9 +108,9 @@ impl SolvedLight {
         let known = self.bound.take().filter(|(known, _)| known == eyes);
         let (_, group) = self.bound.insert(known.unwrap_or_else(|| {
             let resources = [
-                Some(self.field.as_entire_binding()),
+                Some(self.kept.field.as_entire_binding()),
                 Some(gpu::one_of::<Vec4>(eyes)),
-                Some(self.kept.as_entire_binding()),
+                Some(self.kept.moments.as_entire_binding()),
                 Some(wgpu::BindingResource::TextureView(&self.view)),
             ];
             (eyes.clone(), program.bind(device, &resources))
