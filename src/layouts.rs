@@ -17,7 +17,7 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, GridUniform, MOST_GRIDS, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        BRICK, BetweenUniform, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform,
+        AroundUniform, BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform,
         LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport,
         VoxelsUniform, resolve_uniform,
     },
@@ -126,7 +126,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Species",
             layout!(SpeciesUniform: truncated, asymmetry, albedo, similarity, degrees, ahead),
         ),
-        ("moments_between", "Between", layout!(BetweenUniform: rows, through)),
+        ("moments_around", "Around", layout!(AroundUniform: rows, through, weights, open, returned, shaded)),
         (
             "moments_sweep",
             "Field",

@@ -26,7 +26,7 @@ pub const PARTS: &[&[(&str, &str)]] = &[
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "air_shadow", "compose", "depth_bake", "ground_light", "march", "mips", "moments_between", "moments_entering", "moments_keep", "moments_medium", "moments_prolong", "moments_restrict", "moments_scatter", "moments_sweep", "moments_tile", "moments_view", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
+    "aerial", "air_shadow", "compose", "depth_bake", "ground_light", "march", "mips", "moments_around", "moments_entering", "moments_keep", "moments_medium", "moments_prolong", "moments_restrict", "moments_scatter", "moments_sweep", "moments_tile", "moments_view", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
     "sky_volume", "sun_map", "sun_maps", "sun_normals", "sun_shade", "transmittance", "voxels",
 );
 

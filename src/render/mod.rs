@@ -12,7 +12,7 @@ mod sky;
 
 pub use light::Transport;
 #[cfg(test)]
-pub(crate) use light::{BRICK, BetweenUniform, FieldUniform, LightBox, LightUniform};
+pub(crate) use light::{AroundUniform, BRICK, FieldUniform, LightBox, LightUniform};
 #[cfg(feature = "slabs")]
 pub use light::{DirectTextures, FunctionTextures};
 #[cfg(test)]

@@ -170,6 +170,18 @@ fn a_shadow_on_a_deck_is_soft_from_below() {
 }
 
 #[test]
+fn a_cloud_has_the_light_that_others_scatter_to_it() {
+    let cloud = ball([0.0, 1000.0, 0.0], 150.0, 40.0);
+    // The sun is behind the camera, to its right: to the left a cloud shines on the shaded side, to the right one takes
+    // of the sky; one stands above, and one touches.
+    let at = |clouds: &str| seen(clouds, [0.0, 1000.0, 900.0], [0.0, 1000.0, 0.0], 240.0, 20.0);
+    let others =
+        [[-500.0, 1000.0, -100.0], [500.0, 1000.0, -300.0], [-100.0, 1450.0, 0.0], [-440.0, 1000.0, 0.0]];
+    let others = others.map(|center| ball(center, 280.0, 40.0));
+    assert_true_beside(at, &cloud, &others, [0.05, 0.1]);
+}
+
+#[test]
 fn more_layers_than_there_is_room_for_are_refused() {
     let layers: Vec<_> = (0..5).map(|i| sheet(1000.0 + 500.0 * f64::from(i), 100.0, 5.0)).collect();
     let scene = seen(&layers.join(", "), [0.0, 9000.0, 0.0], [0.0, 0.0, 0.1], 100.0, 50.0);

@@ -34,7 +34,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("ground_light", "main"),
             ("march", "quad beauty layers places everything cost"),
             ("mips", "main"),
-            ("moments_between", "main"),
+            ("moments_around", "main outside_along"),
             ("moments_entering", "main"),
             ("moments_keep", "main"),
             ("moments_medium", "main"),
@@ -63,7 +63,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
         "read a texture or buffer, for functions of the library to take",
         &[
             ("march", "sun_at drawn_distance"),
-            ("moments_entering", "radiance_from"),
+            ("moments_entering", "radiance_from sunlit_ground"),
             ("moments_medium", "extinction_at"),
             ("moments_sweep", "flash_through"),
             ("path_flash", "flash_light flash_through_peak flash_distance"),

@@ -12,20 +12,22 @@
 //! Why not the two-stream formulas that shadows on the ground take: thin layers shine most at their horizon, and half of what
 //! comes to a ball comes from there.
 
-use glam::{DMat3, DVec3, Vec4};
+use std::f64::consts::TAU;
 
-use super::field::{DIRECTIONS, levels};
+use glam::{DMat3, DVec3};
+
+use super::field::levels;
 use crate::{
     frame::{
         CloudFrame,
-        medium::{LayerShape, Medium, smooth_rise},
+        medium::{LayerShape, Medium, Species, smooth_rise},
     },
     optics::slab::angles::{Quadrature, legendre_polynomials},
 };
 
 /// Levels of a hemisphere, and of both.
 const HALF: usize = 3;
-const LEVELS: usize = 2 * HALF;
+pub(super) const LEVELS: usize = 2 * HALF;
 /// Optical depth of the slab that is doubled.
 const THIN: f64 = 1e-3;
 /// Columns of a layer, and heights in each.
@@ -34,36 +36,56 @@ const HEIGHTS: usize = 24;
 /// Least cosine of the sun to the vertical: the light of one that grazes is no longer that of a plane.
 const LEAST_COSINE: f64 = 0.02;
 /// Mean of the noise that moves boundaries.
-const MEAN_NOISE: f64 = 0.5;
+pub(super) const MEAN_NOISE: f64 = 0.5;
 /// Layers thinner than this, in optical depth, are none.
 const NOTHING: f64 = 1e-6;
 
-/// `Between` of `shaders/moments_between.wgsl`: how the light that enters a cloud comes from that of sky and ground, by level
-/// of the directions that light is solved for.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct BetweenUniform {
-    pub(crate) rows: [Vec4; 2 * LEVELS],
-    pub(crate) through: [Vec4; 2],
-}
-
-/// What layers make of the light that comes to a cloud.
+/// What layers make of the light that comes to a cloud, by level of the directions that light is solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Between {
-    pub uniform: BetweenUniform,
-    /// Of the sun's, by level, for each unit of its irradiance, 1/sr.
+    /// What of the mean over the azimuth of each level is scattered to each: rows by the level that it goes to.
+    pub rows: [[f32; LEVELS]; LEVELS],
+    /// What of sky and ground comes straight through.
+    pub through: [f32; LEVELS],
+    /// Of the sun's light what is scattered to each, for each unit of its irradiance, 1/sr, and what comes straight through.
     pub sun: [f32; LEVELS],
+    pub beam: f32,
 }
 
 impl Between {
+    /// No layers.
+    pub const NONE: Self =
+        Self { rows: [[0.0; LEVELS]; LEVELS], through: [1.0; LEVELS], sun: [0.0; LEVELS], beam: 1.0 };
+
     /// The same for light of the sky, to which the sun is nothing.
     pub fn of_sky(self) -> Self {
-        Self { sun: [0.0; LEVELS], ..self }
+        Self { sun: [0.0; LEVELS], beam: 0.0, ..self }
     }
+}
 
-    /// The sun's light that enters, by direction.
-    pub fn sunlight(&self) -> Vec<f32> {
-        self.sun.iter().flat_map(|&light| [light; DIRECTIONS / LEVELS]).collect()
+/// What a slab makes of light that comes to one side of it: shares.
+pub(super) struct Returned {
+    /// Of a beam at a cosine of `mu` to the vertical: what comes out on its own side, and scattered on the other.
+    pub back: f64,
+    pub through: f64,
+    /// Of diffuse light that is scattered at all: what comes out anywhere.
+    pub diffuse: f64,
+}
+
+impl Returned {
+    /// By a slab of `depth`, transported and upright, of a species.
+    pub fn of(species: &Species, depth: f64, mu: f64) -> Self {
+        let [cosines, weights] = hemisphere();
+        let flux =
+            |light: DVec3| -> f64 { (0..HALF).map(|i| TAU * weights[i] * cosines[i] * light[i]).sum() };
+        let slab = Scattering::of(species, mu).slab(depth);
+        let straight = flux(slab.through) / flux(DVec3::ONE);
+        let out = flux((slab.onward[0] + slab.back[0]) * DVec3::ONE) / flux(DVec3::ONE);
+        Self {
+            back: flux(slab.up) / mu,
+            through: flux(slab.down) / mu,
+            diffuse: ((out - straight) / (1.0 - straight).max(NOTHING)).clamp(0.0, 1.0),
+        }
     }
 }
 
@@ -160,8 +182,7 @@ impl<'a> Part<'a> {
     fn slab(&self, mu0: f64) -> Slab {
         let coverage = self.shape.covered();
         let species = &self.cloud.medium.species;
-        let medium =
-            Scattering::new(species.beyond_ahead().map(|share| f64::from(share * species.albedo)), mu0);
+        let medium = Scattering::of(species, mu0);
         let transported = f64::from((1.0 - species.truncated) * (1.0 - species.albedo * species.ahead));
         let columns = Quadrature::new(COLUMNS);
         let mut mean = Slab::NONE.times(1.0 - coverage);
@@ -211,6 +232,10 @@ struct Scattering {
 }
 
 impl Scattering {
+    fn of(species: &Species, mu0: f64) -> Self {
+        Self::new(species.beyond_ahead().map(|share| f64::from(share * species.albedo)), mu0)
+    }
+
     /// By what share of the light of each degree is scattered.
     fn new(shares: [f64; 4], mu0: f64) -> Self {
         let [mu, weight] = hemisphere();
@@ -350,10 +375,7 @@ impl Meeting {
     /// The same by level; `above` and `below` are what is between the place and the outside, and down is up where all `is_turned`.
     fn told(&self, above: &Slab, below: &Slab, is_turned: bool) -> Between {
         let all = levels();
-        let mut told = Between {
-            uniform: BetweenUniform { rows: [Vec4::ZERO; 2 * LEVELS], through: [Vec4::ZERO; 2] },
-            sun: [0.0; LEVELS],
-        };
+        let mut told = Between { beam: above.beam as f32, ..Between::NONE };
         // Whether a level's light goes down, and its number in its hemisphere.
         let place = |level: usize| ((all[level].0 < 0.0) != is_turned, level.min(LEVELS - 1 - level));
         for to in 0..LEVELS {
@@ -363,9 +385,9 @@ impl Meeting {
                 let (came_down, column) = place(from);
                 let matrix = if came_down { ways.above } else { ways.below };
                 let straight = if from == to { through.through[row] } else { 0.0 };
-                told.uniform.rows[2 * to + from / 4][from % 4] = (matrix.col(column)[row] - straight) as f32;
+                told.rows[to][from] = (matrix.col(column)[row] - straight) as f32;
             }
-            told.uniform.through[to / 4][to % 4] = through.through[row] as f32;
+            told.through[to] = through.through[row] as f32;
             told.sun[to] = ways.sun[row] as f32;
         }
         told

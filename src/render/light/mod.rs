@@ -1,7 +1,9 @@
 //! What the cloud receives: models of the light inside clouds, and what they read, which is prepared
 //! in each cloud's own frame and redone only when the sun, the shape or the noise changed.
 
+mod around;
 mod between;
+mod bodies;
 mod boxes;
 mod bricks;
 mod field;
@@ -20,7 +22,7 @@ mod store;
 mod sun;
 
 #[cfg(test)]
-pub(crate) use between::BetweenUniform;
+pub(crate) use around::AroundUniform;
 pub use boxes::LightBox;
 #[cfg(test)]
 pub(crate) use bricks::BRICK;

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 use wgpu::{BindGroup, TextureView};
 
 use super::{
-    between::Between,
+    around::Around,
     boxes::LightBox,
     field::{Eyes, Field, FieldKey, FieldPass, SolvedLight},
     inputs::Inputs,
@@ -33,20 +33,20 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
-    /// Light for `cloud` in the shadow of others, and between layers.
+    /// Light for `cloud` in the shadow and the light of what is around it.
     pub fn new(
         inputs: &Inputs<'_>,
         cloud: &CloudFrame,
         shades: Vec<Shade>,
-        between: Option<Between>,
+        around: Around,
         detail: Detail,
     ) -> Self {
         let medium = &cloud.medium;
         let sky_resolution = (detail.resolution / 4).clamp(8, 32);
         let flash = cloud.flash(inputs.by).unwrap_or(Vec4::ZERO);
         // Light from within it has none of theirs.
-        let between = between.filter(|_| flash.w == 0.0);
-        let field = |cells, between| FieldKey { medium: medium.clone(), cells, flash, between };
+        let around = if flash.w > 0.0 { Around::default() } else { around };
+        let field = |cells, around| FieldKey { medium: medium.clone(), cells, flash, around };
         let needs = inputs.needs;
         Self {
             sun: needs.sun.then(|| SunKey {
@@ -57,10 +57,9 @@ impl Wanted {
             }),
             openness: (needs.openness(inputs.lit_by_sky))
                 .then(|| BoxKey::new(medium, Vec3::NEG_Y, sky_resolution)),
-            field: needs.field.then(|| field(detail.cells, between)),
-            sky_field: (needs.field && inputs.lit_by_sky).then(|| {
-                (field((detail.cells / 2).max(8), between.map(Between::of_sky)), inputs.sky.settings())
-            }),
+            sky_field: (needs.field && inputs.lit_by_sky)
+                .then(|| (field((detail.cells / 2).max(8), around.of_sky()), inputs.sky.settings())),
+            field: needs.field.then(|| field(detail.cells, around)),
         }
     }
 

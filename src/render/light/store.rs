@@ -4,7 +4,7 @@
 use std::collections::{HashMap, VecDeque};
 
 use super::{
-    between::Strata,
+    around::{Around, Surroundings},
     field::eye_of,
     inputs::Inputs,
     moment::Moment,
@@ -194,7 +194,8 @@ impl LightStore {
             (asked.presence[index] != Presence::Seen, known[index].as_ref().map(|kept| kept.made))
         });
         self.lights.resize_with(frame.clouds.len(), || None);
-        let mut strata = None;
+        let mut surroundings = None;
+        let grounded = inputs.lit_by_sky && inputs.sky.has_atmosphere();
         let (mut left, mut recorded) = (most, 0);
         for index in order {
             let cloud = &frame.clouds[index];
@@ -206,9 +207,14 @@ impl LightStore {
             }
             let wanted = match (asked.details[index], shading.of(index)) {
                 (Some(detail), _) => {
-                    let strata = strata.get_or_insert_with(|| Strata::of(&frame.clouds, inputs.to_sun.y));
-                    let between = strata.around(index, cloud).filter(|_| inputs.needs.field);
-                    Wanted::new(inputs, cloud, shading.shades(index), between, detail)
+                    let around = if inputs.needs.field {
+                        surroundings
+                            .get_or_insert_with(|| Surroundings::of(frame, inputs.to_sun.y, grounded))
+                            .around(index, cloud)
+                    } else {
+                        Around::default()
+                    };
+                    Wanted::new(inputs, cloud, shading.shades(index), around, detail)
                 }
                 (None, Some(of)) => {
                     let has = |kept: &Kept| kept.light.volume_in(of).is_some() && kept.light.bytes() <= spare;

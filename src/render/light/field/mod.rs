@@ -25,7 +25,12 @@ use std::collections::HashMap;
 use glam::Vec4;
 use wgpu::TextureView;
 
-use super::{between::Between, bricks::Bricks, inputs::Inputs, sun::BoxKey};
+use super::{
+    around::{Around, Told},
+    bricks::Bricks,
+    inputs::Inputs,
+    sun::BoxKey,
+};
 use crate::{
     frame::{
         Shared, SkySettings,
@@ -38,7 +43,7 @@ pub(super) use levels::FieldBox;
 pub use levels::FieldUniform;
 use levels::scratch;
 use quadrature::directions;
-pub(super) use quadrature::{DIRECTIONS, levels};
+pub(super) use quadrature::{DIRECTIONS, levels, patches};
 use solver::Solver;
 pub(super) use view::{Eyes, SolvedLight, eye_of};
 
@@ -53,8 +58,8 @@ pub(super) struct FieldKey {
     pub cells: u32,
     /// The ball that shines in it, in place of the sun: its centre and radius, m; a radius of 0 for none.
     pub flash: Vec4,
-    /// What layers make of the light that comes to it.
-    pub between: Option<Between>,
+    /// What stands around it.
+    pub around: Around,
 }
 
 /// The light of a cloud, on grids in one box.
@@ -69,8 +74,8 @@ pub(super) struct Field {
 /// The programs.
 pub(super) struct FieldPass {
     entering: [ComputeProgram; 2],
-    /// Light between layers; compiled when first needed.
-    between: Option<ComputeProgram>,
+    /// Light among other clouds; compiled when first needed.
+    around: Option<ComputeProgram>,
     /// By medium.
     media: HashMap<MediumKind, ComputeProgram>,
     /// Of light from outside, and from a ball within.
@@ -113,7 +118,7 @@ impl FieldPass {
         let flag = |on: bool| f64::from(u8::from(on));
         Self {
             entering: [false, true].map(|air| program("moments_entering", &[("ATMOSPHERE", flag(air))])),
-            between: None,
+            around: None,
             media: HashMap::new(),
             sweep: [false, true].map(|flash| program("moments_sweep", &[("FLASH", flag(flash))])),
             scatter: program("moments_scatter", &[]),
@@ -170,7 +175,7 @@ impl FieldPass {
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         media: &Media,
-        FieldKey { medium, flash, between, .. }: &FieldKey,
+        FieldKey { medium, flash, around, .. }: &FieldKey,
         most: u32,
         (sun, sun_volume): (&BoxKey, &TextureView),
         lights: Lights,
@@ -185,23 +190,24 @@ impl FieldPass {
             .entry(kind)
             .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[kind.role()], &[]));
         let none = vec![0.0f32; 3 * DIRECTIONS];
+        let told = (!around.is_nothing()).then(|| around.told(inputs.to_sun));
         let entered = if lights == Lights::Sky { self.entered(inputs) } else { None };
         let enters = lights == Lights::Sky && entered.is_none();
         let entering = entered.unwrap_or_else(|| {
             // Of a ball within all of its light counts, and none comes from outside.
             let all = if flash.w > 0.0 { 1.0 } else { 0.0 };
-            let of_layers = between.as_ref().filter(|_| lights == Lights::Sun).map(Between::sunlight);
-            gpu::storage_buffer(device, "entering light", &of_layers.unwrap_or(vec![all; 3 * DIRECTIONS]))
+            let scattered = told.as_ref().filter(|_| lights == Lights::Sun).map(Told::sunlight);
+            gpu::storage_buffer(device, "entering light", &scattered.unwrap_or(vec![all; 6 * DIRECTIONS]))
         });
         if enters {
             self.sky = inputs.sky.settings().map(|settings| (settings, entering.clone()));
         }
-        let between = between.as_ref().filter(|_| lights == Lights::Sky).map(|between| {
-            self.between.get_or_insert_with(|| ComputeProgram::new(device, "moments_between", &[]));
+        let around = told.filter(|_| lights == Lights::Sky).map(|told| {
+            self.around.get_or_insert_with(|| ComputeProgram::new(device, "moments_around", &[]));
             let dark = vec![0.0f32; 3 * DIRECTIONS];
             (
-                gpu::uniform_buffer(device, "between layers", &between.uniform),
-                gpu::storage_buffer(device, "entering light between layers", &dark),
+                gpu::uniform_buffer(device, "surroundings", &told.uniform()),
+                gpu::storage_buffer(device, "entering light among others", &dark),
             )
         });
         let solver = Solver {
@@ -221,7 +227,7 @@ impl FieldPass {
             clamped: gpu::linear_clamp(device),
             directions: gpu::storage_buffer(device, "directions", &directions()),
             enters,
-            between,
+            around,
             entering,
             none: gpu::storage_buffer(device, "no entering light", &none),
         };

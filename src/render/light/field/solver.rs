@@ -65,8 +65,8 @@ pub(super) struct Solver<'a> {
     pub directions: wgpu::Buffer,
     /// Whether what of the sky comes in is yet to be found.
     pub enters: bool,
-    /// What layers make of that, and the buffer that it goes to.
-    pub between: Option<(wgpu::Buffer, wgpu::Buffer)>,
+    /// What surroundings make of that, and the buffer that it goes to.
+    pub around: Option<(wgpu::Buffer, wgpu::Buffer)>,
     /// Radiance that comes in, and none.
     pub entering: wgpu::Buffer,
     pub none: wgpu::Buffer,
@@ -91,7 +91,7 @@ impl Solver<'_> {
         if self.enters {
             self.enter(pass);
         }
-        self.go_between(pass);
+        self.go_around(pass);
         let repeats = self.repeats();
         let mut stages: Vec<Stage> = Vec::new();
         for size in sizes(most, if repeats > 1 { 4 } else { 8 }) {
@@ -182,7 +182,7 @@ impl Solver<'_> {
             let resources: Vec<_> = buffers.iter().map(|buffer| Some(buffer.as_entire_binding())).collect();
             program.bind(device, &resources)
         };
-        let entering = self.between.as_ref().map_or(&self.entering, |(_, entering)| entering);
+        let entering = self.around.as_ref().map_or(&self.entering, |(_, entering)| entering);
         let sweep = [entering, &self.none].map(|entering| {
             let buffers = [&level.buffer, &level.cells, &self.directions, entering, source, radiance];
             bind(self.sweep_program(), &buffers)
@@ -244,10 +244,10 @@ impl Solver<'_> {
         program.record(pass, &[&group], [DIRECTIONS as u32, 1, 1]);
     }
 
-    /// Finds what of it comes to a cloud between layers.
-    fn go_between(&self, pass: &mut Pass<'_>) {
-        let (Some(program), Some((between, result))) = (&self.pass.between, &self.between) else { return };
-        let buffers = [between, &self.entering, result].map(|buffer| Some(buffer.as_entire_binding()));
+    /// Finds what of it comes to a cloud among others.
+    fn go_around(&self, pass: &mut Pass<'_>) {
+        let (Some(program), Some((around, result))) = (&self.pass.around, &self.around) else { return };
+        let buffers = [around, &self.entering, result].map(|buffer| Some(buffer.as_entire_binding()));
         let group = program.bind(self.inputs.device, &buffers);
         program.record_over(pass, &[&group], [DIRECTIONS as u32, self.lights.count(), 1]);
     }

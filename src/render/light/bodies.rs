@@ -1,0 +1,367 @@
+//! What other clouds that end do to the light that comes to a cloud: they stand before sky and ground, shade the ground,
+//! and shine themselves.
+//!
+//! How it works. From afar a cloud is a **body**: the even ellipsoid with the second moments of its lumps. Rays go from
+//! all over a cloud into the patch of the sphere that each direction of its light stands for. What such a ray meets of a
+//! body shines as Lambert's law has it: on its lit side with what a slab sends back of the sun's light that is as thick as the
+//! body is on average along the beam, on its far side with what comes through that slab. Nothing is lost by that: of the
+//! light that comes to the silhouette of a body as much goes out. Of diffuse light a body returns the mean. The sun's light on a
+//! body, and on the ground that a ray ends at, is dimmed by the other bodies.
+//!
+//! Why not by the fields of those clouds: they would have to be there first, each for all others; light from beside is a
+//! twentieth of a cloud's, and the mean of a face tells it well enough (docs/shadows.md has the error).
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, Vec4};
+
+use super::{
+    between::{MEAN_NOISE, Returned},
+    field::{DIRECTIONS, patches},
+};
+use crate::frame::{
+    CloudFrame, Frame, Shared,
+    medium::{EllipsoidUniform, Medium},
+};
+
+/// Rays along each side of a patch.
+const SIDE: usize = 8;
+/// Most bodies around a cloud: those that look largest.
+const MOST: usize = 16;
+/// Bodies farther away than so many of their radii, 0.02 sr, are none.
+const FAR: f64 = 12.0;
+/// Steps of a body's radius in which it moves: what moves less changes no light.
+const STEPS: f64 = 32.0;
+/// Bodies that let more than this of a beam through are none.
+const CLEAR: f64 = 0.999;
+
+/// A cloud as others see it from afar.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Body {
+    medium: Shared<Medium>,
+    /// From the middle of the cloud that it shines on, m.
+    middle: DVec3,
+    /// p . inverse p is 1 where p, m from its middle, is on its surface, 1/m^2.
+    inverse: DMat3,
+    /// Without the forward peak, 1/m.
+    extinction: f64,
+}
+
+/// Where a ray meets a body.
+struct Meeting {
+    /// Distance to where it enters, and length of the way through, m.
+    enters: f64,
+    chord: f64,
+}
+
+/// A lump of a cloud, or a mean of some.
+#[derive(Default)]
+struct Lump {
+    /// Mean and mean square of the place, m.
+    middle: DVec3,
+    square: DMat3,
+    /// How far below its surface the edge is, m.
+    lost: f64,
+    /// 1/m.
+    extinction: f64,
+}
+
+impl Lump {
+    /// An ellipsoid, and its optical depth times its face, m^2.
+    fn of(ellipsoid: &EllipsoidUniform) -> (Self, f64) {
+        let rows = [ellipsoid.row_x, ellipsoid.row_y, ellipsoid.row_z].map(Vec4::as_dvec4);
+        let middle = ellipsoid.center.as_dvec3();
+        // An even ball spreads by a fifth of its radius squared.
+        let spread = rows.map(|row| outer(row.truncate() / (row.w * row.w)));
+        let square = 0.2 * (spread[0] + spread[1] + spread[2]) + outer(middle);
+        let [boundary, wispiness, extinction] =
+            [ellipsoid.boundary, ellipsoid.wispiness, ellipsoid.extinction].map(f64::from);
+        let lump = Self { middle, square, lost: edge(boundary, wispiness), extinction };
+        (lump, extinction / rows.map(|row| row.w).iter().product::<f64>())
+    }
+
+    fn add(&mut self, other: &Self, share: f64) {
+        self.middle += share * other.middle;
+        self.square += share * other.square;
+        self.lost += share * other.lost;
+        self.extinction += share * other.extinction;
+    }
+}
+
+/// Mean depth of the edge that noise makes of a boundary, m.
+fn edge(boundary: f64, wispiness: f64) -> f64 {
+    let rise = boundary * (0.06 + 0.34 * wispiness);
+    (boundary - rise) * 0.5 * (1.0 - MEAN_NOISE) + 0.5 * rise
+}
+
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v.x * v, v.y * v, v.z * v)
+}
+
+impl Body {
+    /// That of a cloud in its own frame; none of what has no end or is too thin.
+    fn of(cloud: &CloudFrame) -> Option<Self> {
+        let medium = &cloud.medium;
+        let lumps: Vec<_> = medium.ellipsoids.iter().map(Lump::of).collect();
+        let mass: f64 = lumps.iter().map(|(_, mass)| mass).sum();
+        if mass <= 0.0 {
+            return None;
+        }
+        let mut mean = Lump::default();
+        for (lump, own) in &lumps {
+            mean.add(lump, own / mass);
+        }
+        let whole = 5.0 * (mean.square - outer(mean.middle));
+        let radius = whole.determinant().max(0.0).powf(1.0 / 6.0);
+        let kept = (1.0 - mean.lost / radius).max(0.1);
+        let inverse = (kept * kept * whole).inverse();
+        let species = &medium.species;
+        let transported = f64::from((1.0 - species.truncated) * (1.0 - species.albedo * species.ahead));
+        let extinction = transported * mean.extinction;
+        let is_there = inverse.is_finite() && (-extinction * kept * radius).exp() < CLEAR;
+        is_there.then(|| Self { medium: medium.clone(), middle: mean.middle, inverse, extinction })
+    }
+
+    /// The same in the frame of a cloud from which its own is at `offset`, m.
+    fn at(&self, offset: DVec3) -> Self {
+        let step = self.radius() / STEPS;
+        Self { middle: self.middle + step * (offset / step).round(), ..self.clone() }
+    }
+
+    /// Mean radius, m.
+    fn radius(&self) -> f64 {
+        self.inverse.determinant().powf(-1.0 / 6.0)
+    }
+
+    /// How long the longest way through it is along a unit vector, m.
+    fn width(&self, along: DVec3) -> f64 {
+        2.0 / along.dot(self.inverse * along).sqrt()
+    }
+
+    /// Where a ray from `from` along a unit vector meets it ahead; none from within.
+    fn meet(&self, from: DVec3, along: DVec3) -> Option<Meeting> {
+        let from = from - self.middle;
+        let (through, slope) = (self.inverse * along, self.inverse * from);
+        let (a, b, c) = (along.dot(through), along.dot(slope), from.dot(slope) - 1.0);
+        let square = b * b - a * c;
+        let enters = (-b - square.max(0.0).sqrt()) / a;
+        (square > 0.0 && enters > 0.0).then(|| Meeting { enters, chord: 2.0 * square.sqrt() / a })
+    }
+
+    /// Optical depth of what a ray from `from` has of it ahead.
+    fn depth(&self, from: DVec3, along: DVec3) -> f64 {
+        let back = self.meet(from, along).map_or(0.0, |meeting| meeting.chord);
+        self.extinction * back
+    }
+
+    /// Unit vector out of its surface at a point, m.
+    fn facing(&self, p: DVec3) -> DVec3 {
+        (self.inverse * (p - self.middle)).normalize()
+    }
+
+    /// Points in it, m, the same every time.
+    fn points(&self) -> Vec<DVec3> {
+        let half = 0.5 * DVec3::new(self.box_width(0), self.box_width(1), self.box_width(2));
+        let inside = |p: &DVec3| p.dot(self.inverse * *p) < 1.0;
+        let tried = (1..).map(|i| half * (2.0 * halton(i) - 1.0)).filter(inside);
+        tried.take(SIDE * SIDE).map(|p| self.middle + p).collect()
+    }
+
+    /// Width of the box around it along an axis, m.
+    fn box_width(&self, axis: usize) -> f64 {
+        2.0 * self.inverse.inverse().col(axis)[axis].sqrt()
+    }
+}
+
+/// A point of the unit cube: any number of them fill it evenly (Halton 1960).
+fn halton(i: u32) -> DVec3 {
+    let turned = |base: u32| {
+        let (mut left, mut share, mut sum) = (i, 1.0, 0.0);
+        while left > 0 {
+            share /= f64::from(base);
+            sum += share * f64::from(left % base);
+            left /= base;
+        }
+        sum
+    };
+    DVec3::new(turned(2), turned(3), turned(5))
+}
+
+/// The bodies of a frame.
+pub(super) struct Bodies<'a> {
+    clouds: &'a [CloudFrame],
+    bodies: Vec<Option<Body>>,
+    ground: Option<f64>,
+}
+
+impl<'a> Bodies<'a> {
+    /// Those of `frame`; `grounded` tells whether its ground is lit.
+    pub fn of(frame: &'a Frame, grounded: bool) -> Self {
+        let clouds = &frame.clouds;
+        let bodies = clouds.iter().map(Body::of).collect();
+        Self { clouds, bodies, ground: grounded.then_some(frame.ground) }
+    }
+
+    /// What they do to the light that comes to cloud `number`; none where nothing is near.
+    pub fn beside(&self, number: usize) -> Option<Beside> {
+        let own = self.bodies[number].clone()?;
+        let cloud = &self.clouds[number];
+        let radius = own.radius();
+        let mut near: Vec<(f64, Body)> = Vec::new();
+        for (other, body) in self.bodies.iter().enumerate() {
+            let Some(body) = body.as_ref().filter(|_| other != number) else { continue };
+            let offset = self.clouds[other].origin - cloud.origin;
+            let size = body.radius() / (offset + body.middle - own.middle).length().max(1e-3);
+            if size * FAR >= 1.0 {
+                near.push((size, body.at(offset)));
+            }
+        }
+        near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        near.truncate(MOST);
+        let step = radius / STEPS;
+        let ground = self.ground.map(|ground| step * ((ground - cloud.origin.y) / step).round());
+        let is_alone = near.is_empty() && ground.is_none();
+        let others = near.into_iter().map(|(_, body)| body).collect();
+        (!is_alone).then_some(Beside { own, others, ground })
+    }
+}
+
+/// What is beside a cloud, in its frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Beside {
+    own: Body,
+    others: Vec<Body>,
+    /// Height of the ground, m.
+    ground: Option<f64>,
+}
+
+/// What comes to a cloud from beside it, by direction that light is solved for.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FromBeside {
+    /// Share of sky and ground that is seen between others.
+    pub open: [f32; DIRECTIONS],
+    /// Share of the mean of diffuse light that others return.
+    pub returned: [f32; DIRECTIONS],
+    /// Of the sun's light that they scatter, for each unit of its irradiance, 1/sr.
+    pub sun: [f32; DIRECTIONS],
+    /// Share of the sun's light that the ground lacks, of all of the ground that a patch may hold.
+    pub shaded: [f32; DIRECTIONS],
+}
+
+impl FromBeside {
+    /// Nothing is there.
+    pub const NONE: Self = Self {
+        open: [1.0; DIRECTIONS],
+        returned: [0.0; DIRECTIONS],
+        sun: [0.0; DIRECTIONS],
+        shaded: [0.0; DIRECTIONS],
+    };
+}
+
+impl Beside {
+    /// In the light of a sun in direction `to_sun`.
+    pub fn told(&self, to_sun: DVec3) -> FromBeside {
+        let shining: Vec<_> = self.others.iter().map(|body| Shining::new(body, to_sun)).collect();
+        let points = self.own.points();
+        let mut told = FromBeside::NONE;
+        for (direction, patch) in patches().into_iter().enumerate() {
+            let mut mean = Seen::default();
+            for (i, &point) in points.iter().enumerate() {
+                let place = [i % SIDE, i / SIDE].map(|x| (x as f64 + 0.5) / SIDE as f64);
+                mean.add(&self.seen(&shining, point, way(patch, place), to_sun), 1.0 / points.len() as f64);
+            }
+            told.open[direction] = mean.open as f32;
+            told.returned[direction] = mean.returned as f32;
+            told.sun[direction] = mean.sun as f32;
+            told.shaded[direction] = mean.shaded as f32;
+        }
+        told
+    }
+
+    /// What is seen along a ray.
+    fn seen<'a>(&self, shining: &'a [Shining<'a>], from: DVec3, along: DVec3, to_sun: DVec3) -> Seen {
+        let met = |shining: &'a Shining<'a>| Some((shining, shining.body.meet(from, along)?));
+        let mut met: Vec<_> = shining.iter().filter_map(met).collect();
+        met.sort_by(|(_, a), (_, b)| a.enters.total_cmp(&b.enters));
+        let mut seen = Seen { open: 1.0, ..Seen::default() };
+        for (body, Meeting { enters, chord }) in met {
+            let taken = seen.open * (1.0 - (-body.body.extinction * chord).exp());
+            let p = from + enters * along;
+            let cosine = body.body.facing(p).dot(to_sun);
+            let light = if cosine > 0.0 { body.lit * cosine } else { -body.far * cosine };
+            seen.sun += taken * light * (-self.shade(Some(body.body), p, to_sun)).exp();
+            seen.returned += taken * body.returned;
+            seen.open -= taken;
+        }
+        if let Some(ground) = self.ground.filter(|_| along.y < 0.0 && to_sun.y > 0.0) {
+            let foot = from + (ground - from.y) / along.y * along;
+            let depth = self.shade(None, foot, to_sun);
+            let turning = 1.0 - f64::from(self.own.medium.species.beyond_ahead()[1]);
+            seen.shaded = seen.open * (1.0 - through(depth, to_sun.y, turning));
+        }
+        seen
+    }
+
+    /// Optical depth from a point to the sun in all bodies but `besides`.
+    fn shade(&self, besides: Option<&Body>, p: DVec3, to_sun: DVec3) -> f64 {
+        let all = self.others.iter().chain([&self.own]);
+        all.filter(|body| besides.is_none_or(|own| !std::ptr::eq(*body, own)))
+            .map(|body| body.depth(p, to_sun))
+            .sum()
+    }
+}
+
+/// Share of sunlight that comes out below a broad cloud in all, as `sun_map_whole` of `shaders/lib/sun_map.wgsl` has it.
+fn through(depth: f64, mu: f64, turning: f64) -> f64 {
+    let entering = 2.0 / 3.0 + mu + (2.0 / 3.0 - mu) * (-depth).exp();
+    entering / (4.0 / 3.0 + turning * mu * depth)
+}
+
+/// What is seen along one ray, or a mean of such.
+#[derive(Default)]
+struct Seen {
+    open: f64,
+    returned: f64,
+    sun: f64,
+    shaded: f64,
+}
+
+impl Seen {
+    fn add(&mut self, other: &Self, weight: f64) {
+        self.open += weight * other.open;
+        self.returned += weight * other.returned;
+        self.sun += weight * other.sun;
+        self.shaded += weight * other.shaded;
+    }
+}
+
+/// A body in the light of the sun.
+struct Shining<'a> {
+    body: &'a Body,
+    /// Radiance of its lit and of its far side where the sun is upright on it, for each unit of its irradiance, 1/sr.
+    lit: f64,
+    far: f64,
+    /// Share of diffuse light that it returns of what it takes.
+    returned: f64,
+}
+
+impl<'a> Shining<'a> {
+    /// Mean over the silhouette of a body of the cosine of the sun to its surface.
+    const COSINE: f64 = 2.0 / 3.0;
+
+    fn new(body: &'a Body, to_sun: DVec3) -> Self {
+        // Of all ways through an ellipsoid along one direction the mean is two thirds of the longest.
+        let depth = body.extinction * 2.0 / 3.0 * body.width(to_sun);
+        let slab = Returned::of(&body.medium.species, depth * Self::COSINE, Self::COSINE);
+        let taken = 1.0 - (-depth).exp();
+        Self { body, lit: slab.back / (PI * taken), far: slab.through / (PI * taken), returned: slab.diffuse }
+    }
+}
+
+/// The unit vector to a place of a patch of the sphere, told from 0 to 1.
+fn way([low, high, start, end]: [f32; 4], [x, y]: [f64; 2]) -> DVec3 {
+    let between = |a: f32, b: f32, share: f64| f64::from(a) + share * f64::from(b - a);
+    let (height, azimuth) = (between(low, high, x), between(start, end, y));
+    let around = (1.0 - height * height).max(0.0).sqrt();
+    DVec3::new(around * azimuth.cos(), height, around * azimuth.sin())
+}
