@@ -21,7 +21,7 @@ use super::{
 };
 use crate::frame::{
     CloudFrame, Frame, Shared,
-    medium::{EllipsoidUniform, Medium},
+    medium::{EllipsoidUniform, Species},
 };
 
 /// Rays along each side of a patch.
@@ -38,7 +38,7 @@ const CLEAR: f64 = 0.999;
 /// A cloud as others see it from afar.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Body {
-    medium: Shared<Medium>,
+    species: Shared<Species>,
     /// From the middle of the cloud that it shines on, m.
     middle: DVec3,
     /// p . inverse p is 1 where p, m from its middle, is on its surface, 1/m^2.
@@ -55,7 +55,6 @@ struct Meeting {
 }
 
 /// A lump of a cloud, or a mean of some.
-#[derive(Default)]
 struct Lump {
     /// Mean and mean square of the place, m.
     middle: DVec3,
@@ -101,13 +100,12 @@ fn outer(v: DVec3) -> DMat3 {
 impl Body {
     /// That of a cloud in its own frame; none of what has no end or is too thin.
     fn of(cloud: &CloudFrame) -> Option<Self> {
-        let medium = &cloud.medium;
-        let lumps: Vec<_> = medium.ellipsoids.iter().map(Lump::of).collect();
+        let lumps: Vec<_> = cloud.medium.ellipsoids.iter().map(Lump::of).collect();
         let mass: f64 = lumps.iter().map(|(_, mass)| mass).sum();
         if mass <= 0.0 {
             return None;
         }
-        let mut mean = Lump::default();
+        let mut mean = Lump { middle: DVec3::ZERO, square: DMat3::ZERO, lost: 0.0, extinction: 0.0 };
         for (lump, own) in &lumps {
             mean.add(lump, own / mass);
         }
@@ -115,11 +113,11 @@ impl Body {
         let radius = whole.determinant().max(0.0).powf(1.0 / 6.0);
         let kept = (1.0 - mean.lost / radius).max(0.1);
         let inverse = (kept * kept * whole).inverse();
-        let species = &medium.species;
+        let species = &cloud.medium.species;
         let transported = f64::from((1.0 - species.truncated) * (1.0 - species.albedo * species.ahead));
         let extinction = transported * mean.extinction;
         let is_there = inverse.is_finite() && (-extinction * kept * radius).exp() < CLEAR;
-        is_there.then(|| Self { medium: medium.clone(), middle: mean.middle, inverse, extinction })
+        is_there.then(|| Self { species: species.clone(), middle: mean.middle, inverse, extinction })
     }
 
     /// The same in the frame of a cloud from which its own is at `offset`, m.
@@ -296,7 +294,7 @@ impl Beside {
         if let Some(ground) = self.ground.filter(|_| along.y < 0.0 && to_sun.y > 0.0) {
             let foot = from + (ground - from.y) / along.y * along;
             let depth = self.shade(None, foot, to_sun);
-            let turning = 1.0 - f64::from(self.own.medium.species.beyond_ahead()[1]);
+            let turning = 1.0 - f64::from(self.own.species.beyond_ahead()[1]);
             seen.shaded = seen.open * (1.0 - through(depth, to_sun.y, turning));
         }
         seen
@@ -352,7 +350,7 @@ impl<'a> Shining<'a> {
     fn new(body: &'a Body, to_sun: DVec3) -> Self {
         // Of all ways through an ellipsoid along one direction the mean is two thirds of the longest.
         let depth = body.extinction * 2.0 / 3.0 * body.width(to_sun);
-        let slab = Returned::of(&body.medium.species, depth * Self::COSINE, Self::COSINE);
+        let slab = Returned::of(&body.species, depth * Self::COSINE, Self::COSINE);
         let taken = 1.0 - (-depth).exp();
         Self { body, lit: slab.back / (PI * taken), far: slab.through / (PI * taken), returned: slab.diffuse }
     }
@@ -364,4 +362,102 @@ fn way([low, high, start, end]: [f32; 4], [x, y]: [f64; 2]) -> DVec3 {
     let (height, azimuth) = (between(low, high, x), between(start, end, y));
     let around = (1.0 - height * height).max(0.0).sqrt();
     DVec3::new(around * azimuth.cos(), height, around * azimuth.sin())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{render::light::field::directions, scene::Scene};
+
+    fn ball(center: [f64; 3], radius: f64, per_cm3: f64) -> String {
+        format!(
+            r#"{{"edge": {{"boundary": 0}}, "droplets": {{"phase": "isotropic", "concentration_per_cm3": {per_cm3}}},
+                "ellipsoids": [{{"center": {center:?}, "radii": [{radius}, {radius}, {radius}]}}]}}"#
+        )
+    }
+
+    fn frame(clouds: &[String]) -> Frame {
+        let scene: Scene = serde_json::from_str(&format!(r#"{{"clouds": [{}]}}"#, clouds.join(","))).unwrap();
+        Frame::new(&scene, [8, 8]).unwrap()
+    }
+
+    /// Integral over the sphere, sr.
+    fn over_sphere(values: &[f32; DIRECTIONS]) -> f64 {
+        directions().iter().zip(values).map(|(way, value)| f64::from(way.w * value)).sum()
+    }
+
+    #[test]
+    fn the_body_of_an_ellipsoid_is_itself() {
+        let cloud = r#"{"edge": {"boundary": 0}, "ellipsoids": [{"center": [500, 900, -40], "radii": [300, 100, 200]}]}"#;
+        let frame = frame(&[cloud.to_owned()]);
+        let body = Body::of(&frame.clouds[0]).unwrap();
+        assert!(body.middle.length() < 1e-3);
+        for (axis, radius) in [(DVec3::X, 300.0), (DVec3::Y, 100.0), (DVec3::Z, 200.0)] {
+            let width = body.width(axis);
+            assert!((width / (2.0 * radius) - 1.0).abs() < 1e-5, "{width} for {radius}");
+            let meeting = body.meet(-1000.0 * axis, axis).unwrap();
+            assert!((meeting.enters - (1000.0 - radius)).abs() < 0.01);
+            assert!((body.facing(radius * axis) - axis).length() < 1e-5);
+        }
+        assert!(body.points().iter().all(|p| p.dot(body.inverse * *p) < 1.0));
+    }
+
+    #[test]
+    fn another_cloud_hides_the_solid_angle_that_it_fills_and_returns_what_it_takes() {
+        // Seen from a small cloud a ball two of its radii away fills 2 pi (1 - cos 30 degrees).
+        let clouds = [ball([0.0, 2000.0, 0.0], 5.0, 300.0), ball([0.0, 2000.0, 800.0], 400.0, 300.0)];
+        let frame = frame(&clouds);
+        let beside = Bodies::of(&frame, false).beside(0).unwrap().told(DVec3::Y);
+        let hidden = 4.0 * PI - over_sphere(&beside.open);
+        let wanted = 2.0 * PI * (1.0 - 30f64.to_radians().cos());
+        assert!((hidden / wanted - 1.0).abs() < 0.03, "{hidden} {wanted}");
+        let all = beside.open.iter().zip(&beside.returned).map(|(open, back)| open + back);
+        assert!(all.into_iter().all(|light| (light - 1.0).abs() < 1e-4));
+        assert!(beside.shaded.iter().all(|share| *share == 0.0));
+    }
+
+    #[test]
+    fn as_much_of_the_sun_leaves_a_body_as_it_takes() {
+        for per_cm3 in [3.0, 40.0, 400.0] {
+            let body = Body::of(&frame(&[ball([0.0, 2000.0, 0.0], 300.0, per_cm3)]).clouds[0]).unwrap();
+            let to_sun = DVec3::new(0.6, 0.8, 0.0);
+            let shining = Shining::new(&body, to_sun);
+            let (count, mut out) = (4000, 0.0);
+            for i in 0..count {
+                // Points of it, evenly.
+                let height = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
+                let angle = 2.399_963 * f64::from(i);
+                let around = (1.0 - height * height).sqrt();
+                let cosine = DVec3::new(around * angle.cos(), height, around * angle.sin()).dot(to_sun);
+                let light = if cosine > 0.0 { shining.lit * cosine } else { -shining.far * cosine };
+                out += PI * light * 4.0 / f64::from(count);
+            }
+            // Over the area of its silhouette, and as far as that is opaque.
+            assert!((out - 1.0).abs() < 0.02, "{per_cm3}: {out}");
+        }
+    }
+
+    #[test]
+    fn the_ground_below_a_cloud_is_in_its_shadow_under_a_high_sun_and_not_under_a_low_one() {
+        let frame = frame(&[ball([0.0, 450.0, 0.0], 400.0, 300.0)]);
+        let beside = Bodies::of(&frame, true).beside(0).unwrap();
+        let below: Vec<_> = (0..DIRECTIONS).filter(|i| directions()[*i].y > 0.9).collect();
+        let shaded = |to_sun: DVec3| {
+            let told = beside.told(to_sun.normalize());
+            assert!(told.open.iter().all(|open| *open == 1.0));
+            below.iter().map(|i| told.shaded[*i]).sum::<f32>() / below.len() as f32
+        };
+        let (high, low) = (shaded(DVec3::Y), shaded(DVec3::new(3.0, 1.0, 0.0)));
+        assert!(high > 0.6 && low < 0.3 * high, "{high} {low}");
+    }
+
+    #[test]
+    fn what_moves_by_a_hair_changes_nothing_and_what_is_far_is_nothing() {
+        let at = |x: f64| {
+            let clouds = [ball([0.0, 2000.0, 0.0], 100.0, 300.0), ball([x, 2000.0, 0.0], 100.0, 300.0)];
+            Bodies::of(&frame(&clouds), false).beside(0)
+        };
+        assert!(at(400.2) == at(400.0) && at(400.0) != at(410.0));
+        assert!(at(400.0).is_some() && at(1300.0).is_none());
+    }
 }

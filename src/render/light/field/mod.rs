@@ -42,8 +42,7 @@ use crate::{
 pub(super) use levels::FieldBox;
 pub use levels::FieldUniform;
 use levels::scratch;
-use quadrature::directions;
-pub(super) use quadrature::{DIRECTIONS, levels, patches};
+pub(super) use quadrature::{DIRECTIONS, directions, levels, patches};
 use solver::Solver;
 pub(super) use view::{Eyes, SolvedLight, eye_of};
 
