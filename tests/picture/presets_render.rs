@@ -13,8 +13,8 @@ use nephos::{
 
 const SIZE: [u32; 2] = [48, 27];
 
-fn suns() -> [SunPosition; 4] {
-    [(200.0, 90.0), (230.0, 40.0), (10.0, 1.0), (90.0, -3.0)]
+fn suns() -> [SunPosition; 3] {
+    [(200.0, 90.0), (10.0, 1.0), (90.0, -3.0)]
         .map(|(azimuth_deg, elevation_deg)| SunPosition::Angles { azimuth_deg, elevation_deg })
 }
 
@@ -49,9 +49,9 @@ fn light_is_finite_and_never_negative() {
         let mut scene = preset.scene(3);
         let cameras = cameras(&scene);
         // Light stays when only the camera moves.
-        // The light of a layer is that of a whole period: every other sun does.
-        let every = if scene.layers().next().is_some() { 2 } else { 1 };
-        for sun in suns().into_iter().skip(every - 1).step_by(every) {
+        // The light of a layer is that of a whole period: the low sun does.
+        let some = if scene.layers().next().is_some() { 1..2 } else { 0..3 };
+        for sun in &suns()[some] {
             scene.sun.position = sun.clone();
             for camera in &cameras {
                 scene.camera = Some(camera.clone());

@@ -125,7 +125,7 @@ fn thin_spheres_scatter_once() {
         // Light goes from the sun to the eye, which is at +z: straight on where the sun is at -z.
         let scene = sphere(t, "\"mie\"", "\"none\"", [sine, 0.0, -cosine], 1.0);
         let more = |estimate: &Estimate| mean(estimate, 1).value - wanted * opacity(estimate);
-        by_batches(&mut tracer(&scene, [16, 16], &seed(number)), 12, 960, more).times(1.0 / (DISC * t))
+        by_batches(&mut tracer(&scene, [16, 16], &seed(number)), 12, 480, more).times(1.0 / (DISC * t))
     };
     let results = [170.0_f64, 90.0, 30.0, 12.0].map(|scattering_deg| {
         let wanted = phase.value(1, scattering_deg.to_radians());
