@@ -56,7 +56,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of its volumes and of the maps of its layers, whose paths start from `folder`.
+    /// Reads the files of its meshes and volumes and of the maps of its layers, whose paths start from `folder`.
     ///
     /// # Errors
     /// [`Error::Scene`] with the JSON path of the first that can't be read, and why.
@@ -69,6 +69,11 @@ impl Scene {
                 let layer = at.field("layer");
                 let at = layer.field("map");
                 map.read(folder).map_err(|error| at.problem(error.to_string()))?;
+            }
+            if let Some(mesh) = &mut cloud.mesh {
+                let at = at.field("mesh");
+                mesh.read(folder).map_err(|error| at.problem(error.to_string()))?;
+                mesh.check(at)?;
             }
             let Some(volume) = &mut cloud.volume else { continue };
             let at = at.field("volume");
@@ -92,15 +97,15 @@ impl Scene {
     /// Validates the scene and writes it as JSON.
     ///
     /// Other programs see the old file or the new one, never a half: the text goes to
-    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of volumes and maps
-    /// that were read are told from the folder of the file.
+    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of meshes, volumes and
+    /// maps that were read are told from the folder of the file.
     ///
     /// # Errors
     /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
         let path = path.as_ref();
-        let names = |cloud: &Cloud| cloud.volume.is_some() || cloud.map().is_some();
+        let names = |cloud: &Cloud| cloud.is_of_file() || cloud.map().is_some();
         let text = match self.clouds.iter().any(names) {
             true => self.written_from(folder_of(path)).to_json(),
             false => self.to_json(),
@@ -108,10 +113,11 @@ impl Scene {
         write_whole(path, |file| file.write_all(text.as_bytes()))
     }
 
-    /// The same scene in a file in `folder`: paths of volumes and maps that were read are told from there.
+    /// The same scene in a file in `folder`: paths of meshes, volumes and maps that were read are told from there.
     pub(crate) fn written_from(&self, folder: &Path) -> Self {
         let mut written = self.clone();
         written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder));
+        written.meshes_mut().for_each(|mesh| *mesh = mesh.written_from(folder));
         let maps = written.clouds.iter_mut().filter_map(|cloud| cloud.layer.as_mut()?.map.as_mut());
         maps.for_each(|map| *map = map.written_from(folder));
         written
@@ -167,6 +173,9 @@ impl Scene {
         }
         for volume in self.volumes_mut() {
             volume.orientation = validate::unit(volume.orientation);
+        }
+        for mesh in self.meshes_mut() {
+            mesh.orientation = validate::unit(mesh.orientation);
         }
     }
 }

@@ -1,0 +1,360 @@
+//! A mesh as the shaders see it: a volume of depths below its surface, as large heaps of ellipsoids have it
+//! (`depth_volume`), but that these are the distances from its triangles.
+//!
+//! Bricks that the surface or the edge behind it reaches into are stored; those outside are empty, those deeper than the
+//! edge homogeneous. They are as small as an atlas has room for.
+
+use std::{
+    hash::Hasher,
+    sync::{Arc, Mutex, OnceLock, PoisonError, Weak},
+};
+
+use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
+use half::f16;
+use rayon::prelude::*;
+
+use super::{
+    DILUTED, EllipsoidUniform,
+    atlas::{fill_atlas, slots, texel_of},
+    bricks::CORNERS,
+    depth_volume::{
+        CELLS, CORE, DepthVolume, DepthVolumeUniform, LONGEST, MOST_STORED, STORED, cells, number, place,
+        tell_distances,
+    },
+};
+use crate::{
+    Result,
+    frame::Shared,
+    gpu,
+    scene::{Cloud, Ellipsoid, Mesh, Surface},
+};
+
+/// Parts along the longest edge of a mesh that proxies stand for.
+const PARTS: u32 = 12;
+/// Bakes of one surface that are kept.
+const KEPT: usize = 4;
+/// Half floats end beyond, m.
+const DEEPEST: f64 = 6e4;
+
+/// A mesh that is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MeshShape {
+    pub depths: Shared<Depths>,
+    pub uniform: DepthVolumeUniform,
+    /// Thickness of its edge, m, and wispiness.
+    edge: [f32; 2],
+    /// The box around it, m.
+    bounds: (Vec3, Vec3),
+}
+
+/// What depths are baked of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Baked {
+    /// From vectors in its file's lengths to those of the scene, m.
+    turned: DMat3,
+    /// Depth behind which extinction changes with nothing but height, m.
+    steady: f64,
+    /// Height of its level over its place, m, if it has one.
+    level: Option<f64>,
+}
+
+/// The volume of depths of a surface.
+#[derive(Debug)]
+pub(crate) struct Depths {
+    surface: Weak<Surface>,
+    baked: Baked,
+    /// Least and greatest corner of the surface, m from its place.
+    bounds: (DVec3, DVec3),
+    /// Least corner of the first brick, m from its place.
+    low: DVec3,
+    /// Edge of a brick, m.
+    brick: f64,
+    /// Bricks along each axis.
+    size: UVec3,
+    /// By brick, x fastest, as the shader takes it.
+    pub(super) index: Vec<u32>,
+    /// Depths at the corners of the cells of each stored brick, m, x fastest.
+    pub(super) stored: Vec<Vec<f16>>,
+}
+
+impl PartialEq for Depths {
+    fn eq(&self, other: &Self) -> bool {
+        self.surface.ptr_eq(&other.surface) && self.baked == other.baked
+    }
+}
+
+/// What a brick is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Empty,
+    Core,
+    Stored,
+}
+
+impl MeshShape {
+    /// The mesh of a cloud, in a frame whose origin is at `origin`.
+    ///
+    /// # Errors
+    /// Where it was not read.
+    pub fn new(cloud: &Cloud, mesh: &Mesh, origin: DVec3) -> Result<Self> {
+        let surface = mesh.read_surface()?;
+        let boundary = cloud.edge.boundary;
+        let baked = Baked {
+            turned: mesh.scene_from_file(),
+            steady: if cloud.dilution > 0.0 { DILUTED * boundary } else { boundary },
+            level: cloud.level.map(|level| level - mesh.place.y),
+        };
+        let depths = Depths::of(surface, baked);
+        let shift = mesh.place - origin;
+        let uniform = DepthVolumeUniform {
+            low: (depths.low + shift).as_vec3(),
+            brick: depths.brick as f32,
+            size: depths.size,
+            core: 0.0,
+            texel: texel_of(slots(depths.stored.len())),
+            // Depths are told no finer than a cell.
+            boundary: boundary.max(depths.brick / f64::from(CELLS)) as f32,
+            slots: [slots(depths.stored.len()).x, slots(depths.stored.len()).y],
+            power: 1.0,
+            reach: 1.0,
+        };
+        let (low, high) = depths.bounds;
+        let bounds = ((low + shift).as_vec3(), (high + shift).as_vec3());
+        Ok(Self { depths, uniform, edge: [boundary as f32, cloud.edge.wispiness as f32], bounds })
+    }
+
+    /// The box around it, in its frame, m.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    /// Ellipsoids that hold all of it, in a frame whose origin is at `origin`: who asks which parts of a picture or a box
+    /// it is in, asks them.
+    pub fn proxies(&self, cloud: &Cloud, mesh: &Mesh, origin: DVec3) -> Vec<EllipsoidUniform> {
+        let Depths { size, brick, index, .. } = &*self.depths;
+        let edge = size.max_element().div_ceil(PARTS);
+        let parts = size.map(|n| n.div_ceil(edge));
+        let mut reach = vec![None; parts.element_product() as usize];
+        for (i, _) in index.iter().enumerate().filter(|(_, entry)| **entry >= CORE) {
+            let at = place(*size, i);
+            let known = reach[number(parts, at / edge)].get_or_insert((at, at));
+            *known = (known.0.min(at), known.1.max(at));
+        }
+        let ball = |(first, last): (UVec3, UVec3)| {
+            let corner = |at: UVec3| self.uniform.low.as_dvec3() + *brick * at.as_dvec3();
+            // Bricks go beyond the surface that is in them.
+            let low = corner(first).max(self.bounds.0.as_dvec3());
+            let high = corner(last + 1).min(self.bounds.1.as_dvec3());
+            let radius = 0.5 * low.distance(high).max(1e-3);
+            let ball = Ellipsoid {
+                density: mesh.density,
+                ..Ellipsoid::new(0.5 * (low + high) + origin, DVec3::splat(radius))
+            };
+            EllipsoidUniform::new(cloud, &ball, origin, f64::INFINITY)
+        };
+        reach.into_iter().flatten().map(ball).collect()
+    }
+
+    /// Adds what its texels and uniform are made of.
+    pub fn hash_into(&self, hasher: &mut impl Hasher) {
+        hasher.write_usize(std::ptr::from_ref(&*self.depths).addr());
+        hasher.write(bytemuck::bytes_of(&self.uniform));
+        hasher.write(bytemuck::bytes_of(&self.edge));
+    }
+
+    /// Whether anything of it may be in a ball: never wrongly no.
+    pub fn reaches(&self, center: Vec3, radius: f32) -> bool {
+        let size = self.depths.size;
+        let number_of = |p: Vec3| ((p - self.uniform.low) / self.uniform.brick).floor().as_ivec3();
+        let (first, last) = (number_of(center - radius - 1e-3), number_of(center + radius + 1e-3));
+        let most = size.as_ivec3() - 1;
+        if first.cmpgt(most).any() || last.cmplt(IVec3::ZERO).any() {
+            return false;
+        }
+        let (first, last) = (first.max(IVec3::ZERO).as_uvec3(), last.min(most).as_uvec3());
+        cells(first, last).any(|at| self.depths.index[number(size, at)] >= CORE)
+    }
+
+    /// Texels of a stored brick: depth, share of the densest extinction, boundary and wispiness.
+    pub(super) fn texels(&self, brick: usize) -> Vec<f16> {
+        let [boundary, wispiness] = self.edge.map(f16::from_f32);
+        let texel = |depth: &f16| [*depth, f16::ONE, boundary, wispiness];
+        self.depths.stored[brick].iter().flat_map(texel).collect()
+    }
+
+    /// The volume on a device.
+    pub fn upload(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> DepthVolume {
+        let format = wgpu::TextureFormat::Rgba16Float;
+        let count = self.depths.stored.len();
+        DepthVolume {
+            uniform: self.uniform,
+            index: gpu::storage_buffer(device, "depth index", &self.depths.index),
+            atlas: fill_atlas(device, queue, format, count, |brick| self.texels(brick)),
+        }
+    }
+}
+
+impl Depths {
+    /// Those of a surface; the same for all meshes that have it, lie alike and have the same edge.
+    fn of(surface: &Arc<Surface>, baked: Baked) -> Shared<Self> {
+        static KNOWN: OnceLock<Mutex<Vec<Shared<Depths>>>> = OnceLock::new();
+        let known = KNOWN.get_or_init(Default::default);
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        // Of surfaces that nobody has any more nothing is kept.
+        known.retain(|depths| depths.surface.strong_count() > 0);
+        let is_own = |depths: &Shared<Self>| depths.surface.ptr_eq(&Arc::downgrade(surface));
+        if let Some(place) = known.iter().position(|depths| is_own(depths) && depths.baked == baked) {
+            let found = known.remove(place);
+            known.push(found.clone());
+            return found;
+        }
+        let mut others = known.iter().filter(|depths| is_own(depths)).count();
+        known.retain(|depths| {
+            let goes = is_own(depths) && others >= KEPT;
+            others -= usize::from(goes);
+            !goes
+        });
+        let depths = Shared::new(Self::new(surface, baked));
+        known.push(depths.clone());
+        depths
+    }
+
+    fn new(surface: &Arc<Surface>, baked: Baked) -> Self {
+        let (mut low, high) = surface.bounds_turned(&baked.turned);
+        let bounds = (low, high);
+        low.y = baked.level.map_or(low.y, |level| low.y.max(level.min(high.y)));
+        let extent = (high - low).max(DVec3::splat(1e-3));
+        let mut depths = Self {
+            surface: Arc::downgrade(surface),
+            baked,
+            bounds,
+            low,
+            brick: extent.max_element() / f64::from(LONGEST),
+            size: UVec3::ONE,
+            index: Vec::new(),
+            stored: Vec::new(),
+        };
+        let depth = DepthOf { surface, baked };
+        let places = loop {
+            depths.size = (extent / depths.brick).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(LONGEST));
+            let places = depths.sort(&depth);
+            let excess = places.len() as f64 / MOST_STORED as f64;
+            if excess <= 1.0 {
+                break places;
+            }
+            // Between those of a surface and those of a solid.
+            depths.brick *= excess.powf(0.4).max(1.02);
+        };
+        depths.stored = places.par_iter().map(|at| depths.corners(&depth, *at)).collect();
+        tell_distances(&mut depths.index, depths.size);
+        depths
+    }
+
+    /// Fills the index; tells the places of the bricks that are to be stored.
+    fn sort(&mut self, depth: &DepthOf) -> Vec<UVec3> {
+        let edge = LONGEST.next_power_of_two().min(self.size.max_element().next_power_of_two());
+        let mut kinds = Vec::new();
+        self.divide(depth, UVec3::ZERO, edge, &mut kinds);
+        self.index = vec![0; self.size.element_product() as usize];
+        let mut places = Vec::new();
+        for (at, edge, kind) in kinds {
+            let last = (at + edge).min(self.size) - 1;
+            for at in cells(at, last) {
+                self.index[number(self.size, at)] = match kind {
+                    Kind::Empty => 0,
+                    Kind::Core => CORE,
+                    Kind::Stored => {
+                        places.push(at);
+                        STORED | (places.len() as u32 - 1)
+                    }
+                };
+            }
+        }
+        places
+    }
+
+    /// Adds what a cube of bricks is, `edge` along each axis from `at` on, or its eighths.
+    fn divide(&self, depth: &DepthOf, at: UVec3, edge: u32, kinds: &mut Vec<(UVec3, u32, Kind)>) {
+        if at.cmpge(self.size).any() {
+            return;
+        }
+        let half = 0.5 * f64::from(edge) * self.brick;
+        let middle = self.low + self.brick * at.as_dvec3() + half;
+        let (radius, here) = (1.001 * 3f64.sqrt() * half, depth.at(middle));
+        let level = self.baked.level.unwrap_or(f64::NEG_INFINITY);
+        // Where the base is displaced, all is stored.
+        let above = middle.y - half >= level + self.baked.steady;
+        let kind = if here < -radius || middle.y + half < level {
+            Kind::Empty
+        } else if here > radius + self.baked.steady && above {
+            Kind::Core
+        } else if edge == 1 {
+            Kind::Stored
+        } else {
+            let half = edge / 2;
+            let parts = |i: u32| at + half * UVec3::new(i & 1, i >> 1 & 1, i >> 2);
+            let each = (0..8u32).into_par_iter().map(|i| {
+                let mut own = Vec::new();
+                self.divide(depth, parts(i), half, &mut own);
+                own
+            });
+            kinds.extend(each.collect::<Vec<_>>().into_iter().flatten());
+            return;
+        };
+        kinds.push((at, edge, kind));
+    }
+
+    /// Depths at the corners of the cells of a brick.
+    fn corners(&self, depth: &DepthOf, at: UVec3) -> Vec<f16> {
+        let cell = self.brick / f64::from(CELLS);
+        let mut depths = Vec::with_capacity(CORNERS.pow(3) as usize);
+        let mut before: Option<(DVec3, f64)> = None;
+        for z in 0..CORNERS {
+            for y in 0..CORNERS {
+                for i in 0..CORNERS {
+                    // Back and forth, so that the next corner is near.
+                    let x = if (y + z) % 2 == 0 { i } else { CORNERS - 1 - i };
+                    let p = self.low + self.brick * at.as_dvec3() + cell * UVec3::new(x, y, z).as_dvec3();
+                    let here = depth.near(p, before);
+                    before = Some((p, here));
+                    depths.push((UVec3::new(x, y, z), here));
+                }
+            }
+        }
+        let mut halves = vec![f16::ZERO; depths.len()];
+        for (at, depth) in depths {
+            halves[number(UVec3::splat(CORNERS), at)] = f16::from_f64(depth.clamp(-DEEPEST, DEEPEST));
+        }
+        halves
+    }
+}
+
+/// Depths below a surface that is turned.
+struct DepthOf<'a> {
+    surface: &'a Surface,
+    baked: Baked,
+}
+
+impl DepthOf<'_> {
+    /// Depth at a point, m from its place.
+    fn at(&self, p: DVec3) -> f64 {
+        let (scale, q) = self.of_file(p);
+        scale * self.surface.depth(q)
+    }
+
+    /// The same, where it is known at another point: closed surfaces are not crossed within their distance.
+    fn near(&self, p: DVec3, before: Option<(DVec3, f64)>) -> f64 {
+        let Some((other, depth)) = before else { return self.at(p) };
+        let (scale, q) = self.of_file(p);
+        let (way, tree) = (p.distance(other), self.surface.tree());
+        let distance = scale * tree.distance(q, (1.0 + 1e-9) * (depth.abs() + way) / scale);
+        let inside = if depth.abs() > 1.001 * way { depth > 0.0 } else { tree.holds(q) };
+        if inside { distance } else { -distance }
+    }
+
+    /// Metres of its file's unit of length, and a point in those.
+    fn of_file(&self, p: DVec3) -> (f64, DVec3) {
+        let scale = self.baked.turned.x_axis.length();
+        (scale, self.baked.turned.transpose() * p / (scale * scale))
+    }
+}

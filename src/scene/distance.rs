@@ -1,0 +1,232 @@
+//! The nearest of many triangles, and what they enclose.
+//!
+//! Triangles are in a tree of boxes. The distance is that of the nearest triangle (Ericson 2005, 5.1.5). What is inside is
+//! told by the winding number: the solid angles of all triangles over 4 pi, which is whole where they are closed; those of
+//! triangles that are far away are that of their dipole (Barill et al. 2018, first order).
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Triangles of a leaf.
+const LEAF: usize = 4;
+/// So many times as far as its own reach a node is its dipole: winding numbers are good to some hundredths.
+const FAR: f64 = 2.0;
+/// Distance of the places of a face at which that is asked, as a share of the extent.
+const APART: f64 = 1.0 / 48.0;
+/// How far from a face it is asked what is before and behind it, as a share of the extent.
+const BESIDE: f64 = 1e-5;
+
+/// A triangle.
+type Triangle = [DVec3; 3];
+
+/// Triangles in a tree.
+#[derive(Debug)]
+pub(crate) struct Tree {
+    nodes: Vec<Node>,
+    triangles: Vec<Triangle>,
+    /// Which of them are between inside and outside.
+    seen: Vec<bool>,
+}
+
+#[derive(Debug)]
+struct Node {
+    low: DVec3,
+    high: DVec3,
+    /// Middle of the area, the sum of areas along normals, and how far its triangles are from the middle at the most.
+    middle: DVec3,
+    area: DVec3,
+    reach: f64,
+    /// Its triangles.
+    first: u32,
+    count: u32,
+    /// The second of its parts, of which the first comes after itself; 0 where it is a leaf.
+    second: u32,
+}
+
+impl Tree {
+    /// A tree of triangles that are closed together.
+    pub fn new(triangles: &[Triangle]) -> Self {
+        let mut sorted = triangles.to_vec();
+        let mut nodes = Vec::with_capacity(triangles.len());
+        build(&mut sorted, 0, &mut nodes);
+        let mut tree = Self { nodes, triangles: sorted, seen: Vec::new() };
+        let root = &tree.nodes[0];
+        let extent = (root.high - root.low).max_element();
+        tree.seen = tree.triangles.par_iter().map(|triangle| tree.divides(triangle, extent)).collect();
+        tree
+    }
+
+    /// Whether there is inside on one side of a triangle and outside on the other, somewhere.
+    fn divides(&self, triangle: &Triangle, extent: f64) -> bool {
+        let [a, b, c] = *triangle;
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
+        let beside = BESIDE * extent * normal;
+        let divides = |p: DVec3| self.holds(p + beside) != self.holds(p - beside);
+        let middle = (a + b + c) / 3.0;
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        let parts = (longest / (APART * extent)).ceil().max(1.0) as u32;
+        let place = |i: u32, j: u32| {
+            let [u, v] = [i, j].map(|i| f64::from(i) / f64::from(parts));
+            middle.lerp(a + u * (b - a) + v * (c - a), 0.9)
+        };
+        divides(middle) || (0..=parts).any(|i| (0..=parts - i).any(|j| divides(place(i, j))))
+    }
+
+    /// Whether a point is inside: in any of the parts.
+    pub fn holds(&self, p: DVec3) -> bool {
+        self.winding(p).abs() > 0.5
+    }
+
+    /// The winding number of a point, times the sign of how triangles look.
+    fn winding(&self, p: DVec3) -> f64 {
+        let (mut at, mut sum, mut later) = (0, 0.0, Stack::new());
+        loop {
+            let node = &self.nodes[at];
+            let to = node.middle - p;
+            let distance = to.length();
+            if distance > FAR * node.reach {
+                sum += node.area.dot(to) / distance.powi(3);
+            } else if node.second > 0 {
+                later.push(node.second);
+                at += 1;
+                continue;
+            } else {
+                sum += node.triangles(&self.triangles).iter().map(|t| solid_angle(t, p)).sum::<f64>();
+            }
+            match later.pop() {
+                Some(next) => at = next as usize,
+                None => return sum / (4.0 * PI),
+            }
+        }
+    }
+
+    /// Distance of a point from the nearest triangle between inside and outside, or `most` where none is as near.
+    pub fn distance(&self, p: DVec3, most: f64) -> f64 {
+        let (mut at, mut least, mut later) = (0, most * most, Stack::new());
+        loop {
+            let node = &self.nodes[at];
+            if node.away(p) < least {
+                if node.second > 0 {
+                    let [first, second] = [at as u32 + 1, node.second];
+                    let [near, far] = match self.nodes[first as usize].away(p) <= self.nodes[second as usize].away(p) {
+                        true => [first, second],
+                        false => [second, first],
+                    };
+                    later.push(far);
+                    at = near as usize;
+                    continue;
+                }
+                let seen = &self.seen[node.first as usize..][..node.count as usize];
+                for (triangle, _) in node.triangles(&self.triangles).iter().zip(seen).filter(|(_, seen)| **seen) {
+                    least = least.min(nearest(triangle, p).distance_squared(p));
+                }
+            }
+            match later.pop() {
+                Some(next) => at = next as usize,
+                None => return least.sqrt(),
+            }
+        }
+    }
+}
+
+/// Nodes to be looked at later: a tree that is halved is never deeper.
+struct Stack([u32; 64], usize);
+
+impl Stack {
+    fn new() -> Self {
+        Self([0; 64], 0)
+    }
+
+    fn push(&mut self, node: u32) {
+        self.0[self.1] = node;
+        self.1 += 1;
+    }
+
+    fn pop(&mut self) -> Option<u32> {
+        self.1 = self.1.checked_sub(1)?;
+        Some(self.0[self.1])
+    }
+}
+
+impl Node {
+    /// Squared distance of a point from its box.
+    fn away(&self, p: DVec3) -> f64 {
+        p.clamp(self.low, self.high).distance_squared(p)
+    }
+
+    fn triangles<'a>(&self, all: &'a [Triangle]) -> &'a [Triangle] {
+        &all[self.first as usize..][..self.count as usize]
+    }
+}
+
+/// Sorts triangles into a tree, and adds its nodes: the number of its first triangle is `first`.
+fn build(triangles: &mut [Triangle], first: u32, nodes: &mut Vec<Node>) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (mut area, mut middle, mut whole) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+    for [a, b, c] in triangles.iter() {
+        (low, high) = (low.min(*a).min(*b).min(*c), high.max(*a).max(*b).max(*c));
+        let own = 0.5 * (*b - *a).cross(*c - *a);
+        area += own;
+        middle += own.length() * (*a + *b + *c) / 3.0;
+        whole += own.length();
+    }
+    let middle = if whole > 0.0 { middle / whole } else { 0.5 * (low + high) };
+    let reach = triangles.iter().flatten().map(|p| p.distance(middle)).fold(0.0, f64::max);
+    let at = nodes.len();
+    nodes.push(Node { low, high, middle, area, reach, first, count: triangles.len() as u32, second: 0 });
+    if triangles.len() <= LEAF {
+        return;
+    }
+    let extent = high - low;
+    let axis = extent.to_array().iter().position(|x| *x >= extent.max_element()).unwrap_or(0);
+    let half = triangles.len() / 2;
+    let key = |[a, b, c]: &Triangle| a[axis] + b[axis] + c[axis];
+    triangles.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)));
+    let (left, right) = triangles.split_at_mut(half);
+    build(left, first, nodes);
+    nodes[at].second = nodes.len() as u32;
+    build(right, first + half as u32, nodes);
+}
+
+/// Solid angle of a triangle as seen from a point, above 0 where it looks away (van Oosterom and Strackee 1983).
+fn solid_angle(triangle: &Triangle, p: DVec3) -> f64 {
+    let [a, b, c] = triangle.map(|corner| corner - p);
+    let [x, y, z] = [a, b, c].map(DVec3::length);
+    2.0 * a.dot(b.cross(c)).atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+}
+
+/// The point of a triangle that is nearest to another one.
+fn nearest(triangle: &Triangle, p: DVec3) -> DVec3 {
+    let [a, b, c] = *triangle;
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + d1 / (d1 - d3) * ab;
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + d2 / (d2 - d6) * ac;
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
+    }
+    let whole = va + vb + vc;
+    if whole <= 0.0 { a } else { a + vb / whole * ab + vc / whole * ac }
+}
