@@ -128,7 +128,9 @@ impl Media {
         if let Some(volume) = &medium.volume {
             self.keep_bricks(&volume.bricks);
         }
-        if medium.mesh.is_some() && let Some((_, last)) = self.volumes.get_mut(&medium.shape) {
+        if medium.mesh.is_some()
+            && let Some((_, last)) = self.volumes.get_mut(&medium.shape)
+        {
             *last = picture;
         }
         let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();

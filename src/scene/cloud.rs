@@ -205,7 +205,10 @@ impl Cloud {
 
     /// A number that differs where what the files of its mesh or volume hold does; `None` where there are none, or they
     /// were not read.
-    #[cfg_attr(not(any(feature = "cli", feature = "editor")), allow(dead_code, reason = "who keeps pictures asks"))]
+    #[cfg_attr(
+        not(any(feature = "cli", feature = "editor")),
+        allow(dead_code, reason = "who keeps pictures asks")
+    )]
     pub(crate) fn fingerprint(&self) -> Option<u64> {
         match (&self.mesh, &self.volume) {
             (Some(mesh), _) => Some(mesh.surface()?.fingerprint()),

@@ -110,16 +110,19 @@ impl Tree {
             if node.away(p) < least {
                 if node.second > 0 {
                     let [first, second] = [at as u32 + 1, node.second];
-                    let [near, far] = match self.nodes[first as usize].away(p) <= self.nodes[second as usize].away(p) {
-                        true => [first, second],
-                        false => [second, first],
-                    };
+                    let [near, far] =
+                        match self.nodes[first as usize].away(p) <= self.nodes[second as usize].away(p) {
+                            true => [first, second],
+                            false => [second, first],
+                        };
                     later.push(far);
                     at = near as usize;
                     continue;
                 }
                 let seen = &self.seen[node.first as usize..][..node.count as usize];
-                for (triangle, _) in node.triangles(&self.triangles).iter().zip(seen).filter(|(_, seen)| **seen) {
+                for (triangle, _) in
+                    node.triangles(&self.triangles).iter().zip(seen).filter(|(_, seen)| **seen)
+                {
                     least = least.min(nearest(triangle, p).distance_squared(p));
                 }
             }

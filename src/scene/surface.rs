@@ -288,7 +288,10 @@ mod tests {
     fn what_encloses_nothing_is_refused_with_the_way_out() {
         let (positions, triangles) = cube(2.0, &[1, 2, 3, 4, 5]);
         let sheet = Surface::new(&positions, &triangles).unwrap_err();
-        assert!(sheet.contains("is open") && sheet.contains("100 %") && sheet.contains("fill its holes"), "{sheet}");
+        assert!(
+            sheet.contains("is open") && sheet.contains("100 %") && sheet.contains("fill its holes"),
+            "{sheet}"
+        );
         let both: Vec<_> = triangles.iter().flat_map(|[a, b, c]| [[*a, *b, *c], [*a, *c, *b]]).collect();
         assert!(Surface::new(&positions, &both).unwrap_err().contains("encloses nothing"));
         assert!(Surface::new(&[DVec3::NAN; 3], &[[0, 1, 2]]).unwrap_err().contains("no numbers"));

@@ -41,6 +41,8 @@ const DEEPEST: f64 = 6e4;
 pub(crate) struct MeshShape {
     pub depths: Shared<Depths>,
     pub uniform: DepthVolumeUniform,
+    /// Extinction behind its edge, 1/m.
+    pub extinction: f32,
     /// Thickness of its edge, m, and wispiness.
     edge: [f32; 2],
     /// The box around it, m.
@@ -120,7 +122,9 @@ impl MeshShape {
         };
         let (low, high) = depths.bounds;
         let bounds = ((low + shift).as_vec3(), (high + shift).as_vec3());
-        Ok(Self { depths, uniform, edge: [boundary as f32, cloud.edge.wispiness as f32], bounds })
+        let edge = [boundary, cloud.edge.wispiness].map(|x| x as f32);
+        let extinction = (cloud.droplets.extinction() * mesh.density) as f32;
+        Ok(Self { depths, uniform, extinction, edge, bounds })
     }
 
     /// The box around it, in its frame, m.
@@ -162,8 +166,13 @@ impl MeshShape {
         hasher.write(bytemuck::bytes_of(&self.edge));
     }
 
+    /// The greatest extinction that it may have in a ball but for its height, 1/m: never too small.
+    pub fn most_within(&self, center: Vec3, radius: f32) -> f32 {
+        if self.reaches(center, radius) { self.extinction } else { 0.0 }
+    }
+
     /// Whether anything of it may be in a ball: never wrongly no.
-    pub fn reaches(&self, center: Vec3, radius: f32) -> bool {
+    fn reaches(&self, center: Vec3, radius: f32) -> bool {
         let size = self.depths.size;
         let number_of = |p: Vec3| ((p - self.uniform.low) / self.uniform.brick).floor().as_ivec3();
         let (first, last) = (number_of(center - radius - 1e-3), number_of(center + radius + 1e-3));

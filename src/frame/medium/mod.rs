@@ -40,7 +40,8 @@ pub use mixed::MIXED;
 use mixed::Mixed;
 #[cfg(test)]
 pub(crate) use mixed::{
-    MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedMeshUniform, PlacedVolumeUniform, ROW as MIXED_ROW,
+    MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedMeshUniform,
+    PlacedVolumeUniform, ROW as MIXED_ROW,
 };
 #[cfg(test)]
 pub(crate) use noise::FINE;
@@ -392,6 +393,7 @@ impl Common {
             texture(&mixed.index),
             texture(&mixed.atlas),
             wgpu::BindingResource::Sampler(&sampler),
+            texture(&mixed.depths),
         ];
         self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &rest)
     }
