@@ -14,7 +14,7 @@ const LEAF: usize = 4;
 /// So many times as far as its own reach a node is its dipole: winding numbers are good to some hundredths.
 const FAR: f64 = 2.0;
 /// Distance of the places of a face at which that is asked, as a share of the extent.
-const APART: f64 = 1.0 / 48.0;
+const APART: f64 = 1.0 / 96.0;
 /// How far from a face it is asked what is before and behind it, as a share of the extent.
 const BESIDE: f64 = 1e-5;
 
@@ -26,8 +26,8 @@ type Triangle = [DVec3; 3];
 pub(crate) struct Tree {
     nodes: Vec<Node>,
     triangles: Vec<Triangle>,
-    /// Which of them are between inside and outside.
-    seen: Vec<bool>,
+    /// Those, and parts of those, that are between inside and outside, where that is not all of them.
+    boundary: Option<Box<Self>>,
 }
 
 #[derive(Debug)]
@@ -48,30 +48,46 @@ struct Node {
 impl Tree {
     /// A tree of triangles that are closed together.
     pub fn new(triangles: &[Triangle]) -> Self {
-        let mut sorted = triangles.to_vec();
-        let mut nodes = Vec::with_capacity(triangles.len());
-        build(&mut sorted, 0, &mut nodes);
-        let mut tree = Self { nodes, triangles: sorted, seen: Vec::new() };
-        let root = &tree.nodes[0];
-        let extent = (root.high - root.low).max_element();
-        tree.seen = tree.triangles.par_iter().map(|triangle| tree.divides(triangle, extent)).collect();
+        let mut tree = Self::of(triangles.to_vec());
+        let seen: Vec<_> = tree.triangles.par_iter().map(|triangle| tree.seen(triangle)).collect();
+        if seen.iter().zip(&tree.triangles).any(|(seen, own)| seen.as_slice() != [*own]) {
+            tree.boundary = Some(Box::new(Self::of(seen.into_iter().flatten().collect())));
+        }
         tree
     }
 
-    /// Whether there is inside on one side of a triangle and outside on the other, somewhere.
-    fn divides(&self, triangle: &Triangle, extent: f64) -> bool {
+    fn of(mut triangles: Vec<Triangle>) -> Self {
+        let mut nodes = Vec::with_capacity(triangles.len());
+        build(&mut triangles, 0, &mut nodes);
+        Self { nodes, triangles, boundary: None }
+    }
+
+    /// What of a triangle has inside on one side and outside on the other: all, nothing, or of its quarters likewise.
+    fn seen(&self, triangle: &Triangle) -> Vec<Triangle> {
         let [a, b, c] = *triangle;
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };
+        let extent = (self.nodes[0].high - self.nodes[0].low).max_element();
+        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return Vec::new() };
         let beside = BESIDE * extent * normal;
         let divides = |p: DVec3| self.holds(p + beside) != self.holds(p - beside);
-        let middle = (a + b + c) / 3.0;
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         let parts = (longest / (APART * extent)).ceil().max(1.0) as u32;
+        let middle = (a + b + c) / 3.0;
         let place = |i: u32, j: u32| {
             let [u, v] = [i, j].map(|i| f64::from(i) / f64::from(parts));
             middle.lerp(a + u * (b - a) + v * (c - a), 0.9)
         };
-        divides(middle) || (0..=parts).any(|i| (0..=parts - i).any(|j| divides(place(i, j))))
+        let first = divides(middle);
+        let is_mixed = (0..=parts).any(|i| (0..=parts - i).any(|j| divides(place(i, j)) != first));
+        match is_mixed {
+            false if first => vec![*triangle],
+            false => Vec::new(),
+            true if parts == 1 => vec![*triangle],
+            true => {
+                let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+                quarters.iter().flat_map(|quarter| self.seen(quarter)).collect()
+            }
+        }
     }
 
     /// Whether a point is inside: in any of the parts.
@@ -102,8 +118,13 @@ impl Tree {
         }
     }
 
-    /// Distance of a point from the nearest triangle between inside and outside, or `most` where none is as near.
+    /// Distance of a point from what is between inside and outside, or `most` where that is not as near.
     pub fn distance(&self, p: DVec3, most: f64) -> f64 {
+        self.boundary.as_deref().unwrap_or(self).nearest_within(p, most)
+    }
+
+    /// Distance of a point from the nearest triangle, or `most` where none is as near.
+    fn nearest_within(&self, p: DVec3, most: f64) -> f64 {
         let (mut at, mut least, mut later) = (0, most * most, Stack::new());
         loop {
             let node = &self.nodes[at];
@@ -119,10 +140,7 @@ impl Tree {
                     at = near as usize;
                     continue;
                 }
-                let seen = &self.seen[node.first as usize..][..node.count as usize];
-                for (triangle, _) in
-                    node.triangles(&self.triangles).iter().zip(seen).filter(|(_, seen)| **seen)
-                {
+                for triangle in node.triangles(&self.triangles) {
                     least = least.min(nearest(triangle, p).distance_squared(p));
                 }
             }

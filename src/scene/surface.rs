@@ -282,6 +282,15 @@ mod tests {
         triangles.extend(more.iter().map(|triangle| triangle.map(|i| i + 8)));
         let both = Surface::new(&positions, &triangles).unwrap();
         assert!((both.depth([0.75, 1.0, 1.0].into()) - 0.75).abs() < 1e-12);
+        // Two cubes that overlap by a half: one beam, but for what is left where faces pass through others.
+        let (mut positions, triangles) = cube(2.0, &[]);
+        positions.extend_from_within(..);
+        positions[8..].iter_mut().for_each(|p| *p += DVec3::new(1.0, 0.1, 0.1));
+        let second = triangles.iter().map(|triangle| triangle.map(|i| i + 8));
+        let all: Vec<_> = triangles.iter().copied().chain(second).collect();
+        let both = Surface::new(&positions, &all).unwrap();
+        let depth = both.depth([1.0, 1.05, 1.05].into());
+        assert!((0.9..1.0).contains(&depth), "{depth}");
     }
 
     #[test]

@@ -33,6 +33,8 @@ use crate::{
 const PARTS: u32 = 12;
 /// Bakes of one surface that are kept.
 const KEPT: usize = 4;
+/// Places are told to this, m.
+const ROUND: f64 = 1e-6;
 /// Half floats end beyond, m.
 const DEEPEST: f64 = 6e4;
 
@@ -107,7 +109,8 @@ impl MeshShape {
             level: cloud.level.map(|level| level - mesh.place.y),
         };
         let depths = Depths::of(surface, baked);
-        let shift = mesh.place - origin;
+        // What drifts with the wind stays the same.
+        let shift = ((mesh.place - origin) / ROUND).round() * ROUND;
         let uniform = DepthVolumeUniform {
             low: (depths.low + shift).as_vec3(),
             brick: depths.brick as f32,
