@@ -15,6 +15,10 @@ use crate::{
     scene::{Cloud, Edge, Ellipsoid, Mesh, Noise, Scene, Volume},
 };
 
+/// Thickness of edges where none is told, as shares of an ellipsoid's smallest radius, and of how thick a mesh is.
+const EDGE: f64 = 0.35;
+const MESH_EDGE: f64 = 0.2;
+
 /// Make a cloud in the shape of a mesh or of points: ellipsoids that fill it, or the mesh itself.
 ///
 /// The mesh must be closed, but for holes that are small beside it; parts may overlap. Metres and Y up are taken for granted, as in glTF.
@@ -42,10 +46,10 @@ pub struct Fill {
     /// Where the file's origin shall be, metres.
     #[arg(long, value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     at: Option<[f64; 3]>,
-    /// Thickness of the edge that noise works on, as a share of an ellipsoid's smallest radius, or of three times the volume
-    /// of a mesh over its area, which is the radius of a ball.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.35, value_parser = above_zero)]
-    edge: f64,
+    /// Thickness of the edge that noise works on, as a share of an ellipsoid's smallest radius: 0.35 where left out. With --exact
+    /// as a share of three times the volume of the mesh over its area, which is the radius of a ball: 0.2.
+    #[arg(long, value_name = "SHARE", value_parser = above_zero)]
+    edge: Option<f64>,
     /// Any whole number: other seeds fill it another way.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed)]
     seed: u64,
@@ -89,7 +93,7 @@ impl Fill {
             Some(surface) => (surface.count(), surface.openness(), surface.thickness()),
             None => Default::default(),
         };
-        let boundary = self.edge * self.scale * thickness;
+        let boundary = self.edge.unwrap_or(MESH_EDGE) * self.scale * thickness;
         let edge = Edge { boundary, ..Edge::default() };
         let cloud = Cloud { mesh: Some(mesh), edge, ..Cloud::default() };
         Ok((self.scene(cloud, boundary), format!("a cloud within {count} triangles\n{}", closed(open))))
@@ -98,7 +102,7 @@ impl Fill {
     /// A scene with ellipsoids, and what is told of them.
     fn with_ellipsoids(&self, (filled, told): (Filled, String)) -> (Scene, String) {
         let edged = |e: &Ellipsoid| {
-            let boundary = self.edge * e.radii.min_element();
+            let boundary = self.edge.unwrap_or(EDGE) * e.radii.min_element();
             let edge = Edge { boundary, ..Edge::default() };
             Ellipsoid { radii: e.radii + 0.5 * boundary, edge: Some(edge), ..e.clone() }
         };

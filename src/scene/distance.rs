@@ -77,17 +77,15 @@ impl Tree {
             middle.lerp(a + u * (b - a) + v * (c - a), 0.9)
         };
         let first = divides(middle);
-        let is_mixed = (0..=parts).any(|i| (0..=parts - i).any(|j| divides(place(i, j)) != first));
-        match is_mixed {
-            false if first => vec![*triangle],
-            false => Vec::new(),
-            true if parts == 1 => vec![*triangle],
-            true => {
-                let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
-                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-                quarters.iter().flat_map(|quarter| self.seen(quarter)).collect()
-            }
+        // Of a small one all is seen where any of it is.
+        let is_mixed = !(first && parts == 1)
+            && (0..=parts).any(|i| (0..=parts - i).any(|j| divides(place(i, j)) != first));
+        if is_mixed && parts > 1 {
+            let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)];
+            let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+            return quarters.iter().flat_map(|quarter| self.seen(quarter)).collect();
         }
+        if first || is_mixed { vec![*triangle] } else { Vec::new() }
     }
 
     /// Whether a point is inside: in any of the parts.
