@@ -95,25 +95,23 @@ impl Tree {
 
     /// The winding number of a point, times the sign of how triangles look.
     fn winding(&self, p: DVec3) -> f64 {
-        let (mut at, mut sum, mut later) = (0, 0.0, Stack::new());
-        loop {
-            let node = &self.nodes[at];
+        let (mut next, mut sum, mut later) = (Some(0), 0.0, Stack::new());
+        while let Some(at) = next {
+            let node = &self.nodes[at as usize];
             let to = node.middle - p;
             let distance = to.length();
+            next = None;
             if distance > FAR * node.reach {
-                sum += node.area.dot(to) / distance.powi(3);
+                sum += node.area.dot(to) / (distance * distance * distance);
             } else if node.second > 0 {
                 later.push(node.second);
-                at += 1;
-                continue;
+                next = Some(at + 1);
             } else {
                 sum += node.triangles(&self.triangles).iter().map(|t| solid_angle(t, p)).sum::<f64>();
             }
-            match later.pop() {
-                Some(next) => at = next as usize,
-                None => return sum / (4.0 * PI),
-            }
+            next = next.or_else(|| later.pop());
         }
+        sum / (4.0 * PI)
     }
 
     /// Distance of a point from what is between inside and outside, or `most` where that is not as near.
@@ -123,47 +121,41 @@ impl Tree {
 
     /// Distance of a point from the nearest triangle, or `most` where none is as near.
     fn nearest_within(&self, p: DVec3, most: f64) -> f64 {
-        let (mut at, mut least, mut later) = (0, most * most, Stack::new());
-        loop {
-            let node = &self.nodes[at];
-            if node.away(p) < least {
-                if node.second > 0 {
-                    let [first, second] = [at as u32 + 1, node.second];
-                    let [near, far] =
-                        match self.nodes[first as usize].away(p) <= self.nodes[second as usize].away(p) {
-                            true => [first, second],
-                            false => [second, first],
-                        };
-                    later.push(far);
-                    at = near as usize;
-                    continue;
-                }
+        let away = |node: u32| (node, self.nodes[node as usize].away(p));
+        let (mut next, mut least, mut later) = (Some(away(0)), most * most, Stack::new());
+        while let Some((at, distance)) = next {
+            let node = &self.nodes[at as usize];
+            next = None;
+            if distance < least && node.second > 0 {
+                let [first, second] = [away(at + 1), away(node.second)];
+                let (near, far) = if first.1 <= second.1 { (first, second) } else { (second, first) };
+                later.push(far);
+                next = Some(near);
+            } else if distance < least {
                 for triangle in node.triangles(&self.triangles) {
                     least = least.min(nearest(triangle, p).distance_squared(p));
                 }
             }
-            match later.pop() {
-                Some(next) => at = next as usize,
-                None => return least.sqrt(),
-            }
+            next = next.or_else(|| later.pop());
         }
+        least.sqrt()
     }
 }
 
-/// Nodes to be looked at later: a tree that is halved is never deeper.
-struct Stack([u32; 64], usize);
+/// What is to be looked at later. A tree that is halved is never deeper: 2^32 triangles.
+struct Stack<T>([T; 32], usize);
 
-impl Stack {
+impl<T: Copy + Default> Stack<T> {
     fn new() -> Self {
-        Self([0; 64], 0)
+        Self([T::default(); 32], 0)
     }
 
-    fn push(&mut self, node: u32) {
-        self.0[self.1] = node;
+    fn push(&mut self, item: T) {
+        self.0[self.1] = item;
         self.1 += 1;
     }
 
-    fn pop(&mut self) -> Option<u32> {
+    fn pop(&mut self) -> Option<T> {
         self.1 = self.1.checked_sub(1)?;
         Some(self.0[self.1])
     }

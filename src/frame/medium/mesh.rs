@@ -360,7 +360,8 @@ impl DepthOf<'_> {
         let (scale, q) = self.of_file(p);
         let (way, tree) = (p.distance(other), self.surface.tree());
         let distance = scale * tree.distance(q, (1.0 + 1e-9) * (depth.abs() + way) / scale);
-        let inside = if depth.abs() > 1.001 * way { depth > 0.0 } else { tree.holds(q) };
+        let clear = 0.999 * depth.abs().max(distance) > way;
+        let inside = if clear { depth > 0.0 } else { tree.holds(q) };
         if inside { distance } else { -distance }
     }
 
