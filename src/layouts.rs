@@ -69,7 +69,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 26] = [
+    let cases: [(&str, &str, Layout); 27] = [
         ("path", "Grid", layout!(GridUniform: low, cell, size, first, repeats, more)),
         ("path", "PlacedLayer", layout!(PlacedLayerUniform: layer, origin, body)),
         ("path", "PlacedVolume", layout!(PlacedVolumeUniform: volume, origin, body)),

@@ -171,8 +171,7 @@ impl Cloud {
         }
     }
 
-    /// Axis-aligned bounds of all ellipsoids (exact) or the mesh above its level, or of its volume, metres; `None` without
-    /// any.
+    /// Exact axis-aligned bounds of all ellipsoids or the mesh above its level, or of its volume, metres; `None` without any.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds_of(self.ellipsoids.iter()).or_else(|| self.volume.as_ref()?.bounds())
     }

@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
-use super::{Bounds, Surface, Up, Volume, union};
+use super::{Bounds, Surface, Up, Volume};
 use crate::{Error, Result};
 
 const SCALE: Limits = Limits::new(1e-6, 1e6, "metres");
@@ -144,16 +144,10 @@ impl Mesh {
         DMat3::from_quat(self.orientation) * self.up.rotation() * self.scale
     }
 
-    /// The box around it in the world, m, where it is not turned the tightest; `None` before it is read.
+    /// The box around it in the world, m; `None` before it is read.
     pub fn bounds(&self) -> Option<Bounds> {
-        let (low, high) = self.surface()?.bounds();
-        let turned = self.scene_from_file();
-        let corner = |i: u32| {
-            let pick = DVec3::new((i & 1).into(), (i >> 1 & 1).into(), (i >> 2).into());
-            let p = turned * (low + pick * (high - low)) + self.place;
-            (p, p)
-        };
-        (0..8).map(corner).reduce(union)
+        let (low, high) = self.surface()?.bounds_turned(&self.scene_from_file());
+        Some((low + self.place, high + self.place))
     }
 
     pub(super) fn check(&self, at: At) -> Result<()> {

@@ -176,7 +176,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Axis-aligned bounds of all ellipsoids (exact), meshes and volumes at time 0, metres; `None` without any. Layers
+    /// Axis-aligned bounds of all ellipsoids and meshes (exact) and volumes at time 0, metres; `None` without any. Layers
     /// have none, and files that were not read.
     pub fn bounds(&self) -> Option<Bounds> {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)

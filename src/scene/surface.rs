@@ -3,7 +3,7 @@
 use std::{
     collections::HashMap,
     hash::{DefaultHasher, Hasher},
-    sync::OnceLock,
+    sync::{Mutex, OnceLock, PoisonError},
 };
 
 use glam::{DMat3, DVec3};
@@ -32,6 +32,7 @@ pub struct Surface {
     volume: f64,
     fingerprint: u64,
     tree: OnceLock<Tree>,
+    turned: Mutex<Option<(DMat3, Bounds)>>,
 }
 
 impl Surface {
@@ -68,7 +69,7 @@ impl Surface {
         if corners.is_empty() {
             return Err(nothing.to_owned());
         }
-        let (low, high) = bounds(&corners);
+        let (low, high) = bounds(corners.iter().flatten().copied());
         let middle = 0.5 * (low + high);
         let volume: f64 = corners
             .iter()
@@ -81,7 +82,8 @@ impl Surface {
         let mut hasher = DefaultHasher::new();
         corners.iter().flatten().for_each(|p| hasher.write(bytemuck::bytes_of(p)));
         let fingerprint = hasher.finish();
-        Ok(Self { corners, bounds: (low, high), openness, volume, fingerprint, tree: OnceLock::new() })
+        let (tree, turned) = Default::default();
+        Ok(Self { corners, bounds: (low, high), openness, volume, fingerprint, tree, turned })
     }
 
     /// Number of triangles, those that close it among them.
@@ -94,10 +96,17 @@ impl Surface {
         self.bounds
     }
 
-    /// The same of the box around it after a rotation, a scale or both.
+    /// The same of the box around it after a rotation, a scale or both: the last one is kept.
     pub(crate) fn bounds_turned(&self, turned: &DMat3) -> Bounds {
-        let corners: Vec<_> = self.corners.iter().map(|corners| corners.map(|p| *turned * p)).collect();
-        bounds(&corners)
+        let mut known = self.turned.lock().unwrap_or_else(PoisonError::into_inner);
+        match *known {
+            Some((of, bounds)) if of == *turned => bounds,
+            _ => {
+                let bounds = bounds(self.corners.iter().flatten().map(|p| *turned * *p));
+                *known = Some((*turned, bounds));
+                bounds
+            }
+        }
     }
 
     /// Area of what closes it over that of the mesh: 0 where that was closed.
@@ -130,9 +139,8 @@ impl Surface {
     }
 }
 
-fn bounds(corners: &[[DVec3; 3]]) -> Bounds {
-    let all = corners.iter().flatten();
-    all.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)))
+fn bounds(corners: impl Iterator<Item = DVec3>) -> Bounds {
+    corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
 /// Triangles whose corners are one where they are in one place.
@@ -148,9 +156,7 @@ impl Welded {
             return Err("has corners that are no numbers: export it anew".to_owned());
         }
         let used: Vec<DVec3> = triangles.iter().flatten().map(|i| positions[*i as usize]).collect();
-        let (low, high) = used
-            .iter()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        let (low, high) = bounds(used.iter().copied());
         let cell = SAME * (high - low).max_element().max(f64::MIN_POSITIVE);
         let (mut places, mut numbers) = (Vec::new(), HashMap::new());
         let mut number = |p: DVec3| {

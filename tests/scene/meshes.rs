@@ -62,7 +62,10 @@ fn what_is_no_boundary_is_refused_in_words() {
         (r#"{"mesh": {"file": "good.obj", "scale": 0}}"#, "clouds[0].mesh.scale"),
         (r#"{"mesh": {"file": "good.obj", "density": -1}}"#, "clouds[0].mesh.density"),
         (r#"{"mesh": {"file": "good.obj", "place": [9999999, 0, 0], "scale": 1000}}"#, "too far"),
-        (r#"{"mesh": {"file": "good.obj"}, "ellipsoids": [{}]}"#, "`mesh` and `ellipsoids`"),
+        (
+            r#"{"mesh": {"file": "good.obj"}, "ellipsoids": [{"center": [0, 0, 0], "radii": [1, 1, 1]}]}"#,
+            "`mesh` and `ellipsoids`",
+        ),
         (r#"{"mesh": {"file": "good.obj"}, "volume": {"file": "a.vdb"}}"#, "`volume` and `mesh`"),
         (r#"{"mesh": {"file": "good.obj"}, "evaporation": {"lee": 1}}"#, "wispiness"),
         (r#"{"mesh": {"file": "good.obj"}, "life": {"death": 60}}"#, "density"),

@@ -33,7 +33,7 @@ use crate::{
 const PARTS: u32 = 12;
 /// Bakes of one surface that are kept.
 const KEPT: usize = 4;
-/// Places are told to this, m.
+/// Places are told to this, m, so that what drifts with the wind stays the same.
 const ROUND: f64 = 1e-6;
 /// Half floats end beyond, m.
 const DEEPEST: f64 = 6e4;
@@ -66,6 +66,8 @@ struct Baked {
 #[derive(Debug)]
 pub(crate) struct Depths {
     surface: Weak<Surface>,
+    /// That of the surface.
+    fingerprint: u64,
     baked: Baked,
     /// Least and greatest corner of the surface, m from its place.
     bounds: (DVec3, DVec3),
@@ -106,10 +108,9 @@ impl MeshShape {
         let baked = Baked {
             turned: mesh.scene_from_file(),
             steady: if cloud.dilution > 0.0 { DILUTED * boundary } else { boundary },
-            level: cloud.level.map(|level| level - mesh.place.y),
+            level: cloud.level.map(|level| ((level - mesh.place.y) / ROUND).round() * ROUND),
         };
         let depths = Depths::of(surface, baked);
-        // What drifts with the wind stays the same.
         let shift = ((mesh.place - origin) / ROUND).round() * ROUND;
         let uniform = DepthVolumeUniform {
             low: (depths.low + shift).as_vec3(),
@@ -125,7 +126,7 @@ impl MeshShape {
         };
         let (low, high) = depths.bounds;
         let bounds = ((low + shift).as_vec3(), (high + shift).as_vec3());
-        let edge = [boundary, cloud.edge.wispiness].map(|x| x as f32);
+        let edge = [boundary.min(DEEPEST), cloud.edge.wispiness].map(|x| x as f32);
         let extinction = (cloud.droplets.extinction() * mesh.density) as f32;
         Ok(Self { depths, uniform, extinction, edge, bounds })
     }
@@ -164,7 +165,10 @@ impl MeshShape {
 
     /// Adds what its texels and uniform are made of.
     pub fn hash_into(&self, hasher: &mut impl Hasher) {
-        hasher.write_usize(std::ptr::from_ref(&*self.depths).addr());
+        let Baked { turned, steady, level } = self.depths.baked;
+        hasher.write_u64(self.depths.fingerprint);
+        hasher.write(bytemuck::bytes_of(&turned));
+        [steady, level.unwrap_or(f64::NEG_INFINITY)].iter().for_each(|x| hasher.write_u64(x.to_bits()));
         hasher.write(bytemuck::bytes_of(&self.uniform));
         hasher.write(bytemuck::bytes_of(&self.edge));
     }
@@ -238,6 +242,7 @@ impl Depths {
         let extent = (high - low).max(DVec3::splat(1e-3));
         let mut depths = Self {
             surface: Arc::downgrade(surface),
+            fingerprint: surface.fingerprint(),
             baked,
             bounds,
             low,
