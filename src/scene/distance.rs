@@ -25,24 +25,31 @@ type Triangle = [DVec3; 3];
 #[derive(Debug)]
 pub(crate) struct Tree {
     nodes: Vec<Node>,
+    /// What each node is from far away.
+    dipoles: Vec<Dipole>,
     triangles: Vec<Triangle>,
     /// Those, and parts of those, that are between inside and outside, where that is not all of them.
     boundary: Option<Box<Self>>,
 }
 
+/// Some triangles.
 #[derive(Debug)]
 struct Node {
     low: DVec3,
     high: DVec3,
-    /// Middle of the area, the sum of areas along normals, and how far its triangles are from the middle at the most.
-    middle: DVec3,
-    area: DVec3,
-    reach: f64,
-    /// Its triangles.
     first: u32,
     count: u32,
     /// The second of its parts, of which the first comes after itself; 0 where it is a leaf.
     second: u32,
+}
+
+/// Middle of the area of some triangles, the sum of their areas along normals, and how far they are from the middle at the
+/// most.
+#[derive(Debug)]
+struct Dipole {
+    middle: DVec3,
+    area: DVec3,
+    reach: f64,
 }
 
 impl Tree {
@@ -59,7 +66,8 @@ impl Tree {
     fn of(mut triangles: Vec<Triangle>) -> Self {
         let mut nodes = Vec::with_capacity(triangles.len());
         build(&mut triangles, 0, &mut nodes);
-        Self { nodes, triangles, boundary: None }
+        let dipoles = nodes.iter().map(|node| Dipole::of(node.triangles(&triangles))).collect();
+        Self { nodes, dipoles, triangles, boundary: None }
     }
 
     /// What of a triangle has inside on one side and outside on the other: all, nothing, or of its quarters likewise.
@@ -97,12 +105,12 @@ impl Tree {
     fn winding(&self, p: DVec3) -> f64 {
         let (mut next, mut sum, mut later) = (Some(0), 0.0, Stack::new());
         while let Some(at) = next {
-            let node = &self.nodes[at as usize];
-            let to = node.middle - p;
+            let (node, dipole) = (&self.nodes[at as usize], &self.dipoles[at as usize]);
+            let to = dipole.middle - p;
             let distance = to.length();
             next = None;
-            if distance > FAR * node.reach {
-                sum += node.area.dot(to) / (distance * distance * distance);
+            if distance > FAR * dipole.reach {
+                sum += dipole.area.dot(to) / (distance * distance * distance);
             } else if node.second > 0 {
                 later.push(node.second);
                 next = Some(at + 1);
@@ -114,15 +122,17 @@ impl Tree {
         sum / (4.0 * PI)
     }
 
-    /// Distance of a point from what is between inside and outside, or `most` where that is not as near.
-    pub fn distance(&self, p: DVec3, most: f64) -> f64 {
-        self.boundary.as_deref().unwrap_or(self).nearest_within(p, most)
+    /// Distance of a point from what is between inside and outside. `near` is the number of the triangle that was found
+    /// nearest to a point at hand, 0 at first.
+    pub fn distance(&self, p: DVec3, near: &mut u32) -> f64 {
+        self.boundary.as_deref().unwrap_or(self).nearest_to(p, near)
     }
 
-    /// Distance of a point from the nearest triangle, or `most` where none is as near.
-    fn nearest_within(&self, p: DVec3, most: f64) -> f64 {
+    fn nearest_to(&self, p: DVec3, near: &mut u32) -> f64 {
         let away = |node: u32| (node, self.nodes[node as usize].away(p));
-        let (mut next, mut least, mut later) = (Some(away(0)), most * most, Stack::new());
+        let known = self.triangles.get(*near as usize);
+        let mut least = known.map_or(f64::INFINITY, |known| nearest(known, p).distance_squared(p));
+        let (mut next, mut later) = (Some(away(0)), Stack::new());
         while let Some((at, distance)) = next {
             let node = &self.nodes[at as usize];
             next = None;
@@ -132,8 +142,11 @@ impl Tree {
                 later.push(far);
                 next = Some(near);
             } else if distance < least {
-                for triangle in node.triangles(&self.triangles) {
-                    least = least.min(nearest(triangle, p).distance_squared(p));
+                for (number, triangle) in (node.first..).zip(node.triangles(&self.triangles)) {
+                    let distance = nearest(triangle, p).distance_squared(p);
+                    if distance < least {
+                        (least, *near) = (distance, number);
+                    }
                 }
             }
             next = next.or_else(|| later.pop());
@@ -172,21 +185,28 @@ impl Node {
     }
 }
 
+impl Dipole {
+    fn of(triangles: &[Triangle]) -> Self {
+        let (mut area, mut middle, mut whole) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for [a, b, c] in triangles {
+            let own = 0.5 * (*b - *a).cross(*c - *a);
+            area += own;
+            middle += own.length() * (*a + *b + *c) / 3.0;
+            whole += own.length();
+        }
+        let corners = || triangles.iter().flatten();
+        let middle = if whole > 0.0 { middle / whole } else { corners().next().copied().unwrap_or_default() };
+        Self { middle, area, reach: corners().map(|p| p.distance(middle)).fold(0.0, f64::max) }
+    }
+}
+
 /// Sorts triangles into a tree, and adds its nodes: the number of its first triangle is `first`.
 fn build(triangles: &mut [Triangle], first: u32, nodes: &mut Vec<Node>) {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let (mut area, mut middle, mut whole) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    for [a, b, c] in triangles.iter() {
-        (low, high) = (low.min(*a).min(*b).min(*c), high.max(*a).max(*b).max(*c));
-        let own = 0.5 * (*b - *a).cross(*c - *a);
-        area += own;
-        middle += own.length() * (*a + *b + *c) / 3.0;
-        whole += own.length();
-    }
-    let middle = if whole > 0.0 { middle / whole } else { 0.5 * (low + high) };
-    let reach = triangles.iter().flatten().map(|p| p.distance(middle)).fold(0.0, f64::max);
+    let corners = triangles.iter().flatten();
+    let (low, high) =
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
     let at = nodes.len();
-    nodes.push(Node { low, high, middle, area, reach, first, count: triangles.len() as u32, second: 0 });
+    nodes.push(Node { low, high, first, count: triangles.len() as u32, second: 0 });
     if triangles.len() <= LEAF {
         return;
     }

@@ -10,7 +10,7 @@ use schemars::schema_for;
 use serde_json::Value;
 
 use super::explain::{explain, not_json};
-use super::{Cloud, FORMAT, MAX_ELLIPSOIDS, Scene, validate};
+use super::{Cloud, FORMAT, MAX_ELLIPSOIDS, Mesh, Scene, validate};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
@@ -63,6 +63,7 @@ impl Scene {
     pub fn read_volumes(&mut self, folder: &Path) -> Result<()> {
         let root = validate::At::Root;
         let list = root.field("clouds");
+        let mut meshes: Vec<Mesh> = Vec::new();
         for (i, cloud) in self.clouds.iter_mut().enumerate() {
             let at = list.index(i);
             if let Some(map) = cloud.layer.as_mut().and_then(|layer| layer.map.as_mut()) {
@@ -72,7 +73,11 @@ impl Scene {
             }
             if let Some(mesh) = &mut cloud.mesh {
                 let at = at.field("mesh");
-                mesh.read(folder).map_err(|error| at.problem(error.to_string()))?;
+                match meshes.iter().find(|known| known.file == mesh.file) {
+                    Some(known) => mesh.take_surface_of(known),
+                    None => mesh.read(folder).map_err(|error| at.problem(error.to_string()))?,
+                }
+                meshes.push(mesh.clone());
                 mesh.check(at)?;
             }
             let Some(volume) = &mut cloud.volume else { continue };

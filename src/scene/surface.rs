@@ -129,7 +129,7 @@ impl Surface {
     /// parts is inside, and faces within others are no boundary.
     pub fn depth(&self, p: DVec3) -> f64 {
         let tree = self.tree();
-        let distance = tree.distance(p, f64::INFINITY);
+        let distance = tree.distance(p, &mut 0);
         if tree.holds(p) { distance } else { -distance }
     }
 

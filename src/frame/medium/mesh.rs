@@ -85,7 +85,7 @@ pub(crate) struct Depths {
 
 impl PartialEq for Depths {
     fn eq(&self, other: &Self) -> bool {
-        self.surface.ptr_eq(&other.surface) && self.baked == other.baked
+        self.fingerprint == other.fingerprint && self.baked == other.baked
     }
 }
 
@@ -218,7 +218,7 @@ impl Depths {
         let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
         // Of surfaces that nobody has any more nothing is kept.
         known.retain(|depths| depths.surface.strong_count() > 0);
-        let is_own = |depths: &Shared<Self>| depths.surface.ptr_eq(&Arc::downgrade(surface));
+        let is_own = |depths: &Shared<Self>| depths.fingerprint == surface.fingerprint();
         if let Some(place) = known.iter().position(|depths| is_own(depths) && depths.baked == baked) {
             let found = known.remove(place);
             known.push(found.clone());
@@ -325,14 +325,14 @@ impl Depths {
     fn corners(&self, depth: &DepthOf, at: UVec3) -> Vec<f16> {
         let cell = self.brick / f64::from(CELLS);
         let mut depths = Vec::with_capacity(CORNERS.pow(3) as usize);
-        let mut before: Option<(DVec3, f64)> = None;
+        let (mut before, mut nearest) = (None, 0);
         for z in 0..CORNERS {
             for y in 0..CORNERS {
                 for i in 0..CORNERS {
                     // Back and forth, so that the next corner is near.
                     let x = if (y + z) % 2 == 0 { i } else { CORNERS - 1 - i };
                     let p = self.low + self.brick * at.as_dvec3() + cell * UVec3::new(x, y, z).as_dvec3();
-                    let here = depth.near(p, before);
+                    let here = depth.near(p, before, &mut nearest);
                     before = Some((p, here));
                     depths.push((UVec3::new(x, y, z), here));
                 }
@@ -359,14 +359,14 @@ impl DepthOf<'_> {
         scale * self.surface.depth(q)
     }
 
-    /// The same, where it is known at another point: closed surfaces are not crossed within their distance.
-    fn near(&self, p: DVec3, before: Option<(DVec3, f64)>) -> f64 {
-        let Some((other, depth)) = before else { return self.at(p) };
+    /// The same, where it is known at another point, to which `nearest` is the triangle: closed surfaces are not crossed
+    /// within their distance.
+    fn near(&self, p: DVec3, before: Option<(DVec3, f64)>, nearest: &mut u32) -> f64 {
         let (scale, q) = self.of_file(p);
-        let (way, tree) = (p.distance(other), self.surface.tree());
-        let distance = scale * tree.distance(q, (1.0 + 1e-9) * (depth.abs() + way) / scale);
-        let clear = 0.999 * depth.abs().max(distance) > way;
-        let inside = if clear { depth > 0.0 } else { tree.holds(q) };
+        let tree = self.surface.tree();
+        let distance = scale * tree.distance(q, nearest);
+        let known = before.filter(|(other, depth)| 0.999 * depth.abs().max(distance) > p.distance(*other));
+        let inside = known.map_or_else(|| tree.holds(q), |(_, depth)| depth > 0.0);
         if inside { distance } else { -distance }
     }
 

@@ -66,8 +66,9 @@ impl World {
         }
         let (low, high) = frame.bounds().unwrap_or_default();
         // What is alone is in its own frame.
-        let alone = match frame.clouds.as_slice() {
-            [cloud] if cloud.medium.is_held() => Some(cloud.origin),
+        let mut ends = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none());
+        let alone = match (ends.next(), ends.next()) {
+            (Some(cloud), None) if cloud.medium.is_held() => Some(cloud.origin),
             _ => None,
         };
         let mut world = Self::empty(alone.unwrap_or(0.5 * (low + high)));
