@@ -16,7 +16,6 @@ use rayon::prelude::*;
 use super::{
     DILUTED, EllipsoidUniform,
     atlas::{fill_atlas, slots, texel_of},
-    bricks::CORNERS,
     depth_volume::{
         CELLS, CORE, DepthVolume, DepthVolumeUniform, LONGEST, MOST_STORED, STORED, cells, number, place,
         tell_distances,
@@ -33,6 +32,8 @@ use crate::{
 const PARTS: u32 = 12;
 /// Bakes of one surface that are kept.
 const KEPT: usize = 4;
+/// So many bricks below the surface depths hardly bend within a brick.
+const DEEP: f64 = 2.0;
 /// Places are told to this, m, so that what drifts with the wind stays the same.
 const ROUND: f64 = 1e-6;
 /// Half floats end beyond, m.
@@ -321,28 +322,37 @@ impl Depths {
         kinds.push((at, edge, kind));
     }
 
-    /// Depths at the corners of the cells of a brick.
+    /// Depths at the corners of the cells of a brick: of a deep one, where they hardly bend, at some of them, and what is
+    /// between those.
     fn corners(&self, depth: &DepthOf, at: UVec3) -> Vec<f16> {
-        let cell = self.brick / f64::from(CELLS);
-        let mut depths = Vec::with_capacity(CORNERS.pow(3) as usize);
+        let low = self.low + self.brick * at.as_dvec3();
+        let is_deep = depth.at(low + 0.5 * self.brick) > DEEP * self.brick;
+        let step = if is_deep { CELLS / 2 } else { 1 };
+        let count = CELLS / step + 1;
+        let way = self.brick / f64::from(count - 1);
+        let mut known = vec![0.0; count.pow(3) as usize];
         let (mut before, mut nearest) = (None, 0);
-        for z in 0..CORNERS {
-            for y in 0..CORNERS {
-                for i in 0..CORNERS {
-                    // Back and forth, so that the next corner is near.
-                    let x = if (y + z) % 2 == 0 { i } else { CORNERS - 1 - i };
-                    let p = self.low + self.brick * at.as_dvec3() + cell * UVec3::new(x, y, z).as_dvec3();
-                    let here = depth.near(p, before, &mut nearest);
-                    before = Some((p, here));
-                    depths.push((UVec3::new(x, y, z), here));
-                }
-            }
+        for at in cells(UVec3::ZERO, UVec3::splat(count - 1)) {
+            // Back and forth, so that the next corner is near.
+            let x = if (at.y + at.z) % 2 == 0 { at.x } else { count - 1 - at.x };
+            let at = UVec3::new(x, at.y, at.z);
+            let p = low + way * at.as_dvec3();
+            let here = depth.near(p, before, &mut nearest);
+            before = Some((p, here));
+            known[number(UVec3::splat(count), at)] = here;
         }
-        let mut halves = vec![f16::ZERO; depths.len()];
-        for (at, depth) in depths {
-            halves[number(UVec3::splat(CORNERS), at)] = f16::from_f64(depth.clamp(-DEEPEST, DEEPEST));
-        }
-        halves
+        let between = |at: UVec3| -> f64 {
+            let first = (at / step).min(UVec3::splat(count - 2));
+            let part = at.as_dvec3() / f64::from(step) - first.as_dvec3();
+            let corner = |i: u32| {
+                let pick = UVec3::new(i & 1, i >> 1 & 1, i >> 2);
+                let weight = DVec3::ONE - (part - pick.as_dvec3()).abs();
+                weight.element_product() * known[number(UVec3::splat(count), first + pick)]
+            };
+            (0..8).map(corner).sum()
+        };
+        let all = cells(UVec3::ZERO, UVec3::splat(CELLS));
+        all.map(|at| f16::from_f64(between(at).clamp(-DEEPEST, DEEPEST))).collect()
     }
 }
 
