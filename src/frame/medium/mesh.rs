@@ -32,6 +32,8 @@ use crate::{
 const PARTS: u32 = 12;
 /// Bakes of one surface that are kept.
 const KEPT: usize = 4;
+/// From one edge of bricks to the next finer one that is worth a try.
+const FINER: f64 = 0.96;
 /// So many bricks below the surface depths hardly bend within a brick.
 const DEEP: f64 = 2.0;
 /// Places are told to this, m, so that what drifts with the wind stays the same.
@@ -247,29 +249,37 @@ impl Depths {
             baked,
             bounds,
             low,
-            brick: extent.max_element() / f64::from(LONGEST),
+            // Of these there is room for all.
+            brick: extent.max_element() / (MOST_STORED as f64).cbrt().floor(),
             size: UVec3::ONE,
             index: Vec::new(),
             stored: Vec::new(),
         };
         let depth = DepthOf { surface, baked };
-        let places = loop {
-            depths.size = (extent / depths.brick).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(LONGEST));
-            let places = depths.sort(&depth);
-            let excess = places.len() as f64 / MOST_STORED as f64;
-            if excess <= 1.0 {
-                break places;
+        let (mut places, least) = (depths.sort(&depth, extent), extent.max_element() / f64::from(LONGEST));
+        loop {
+            // No shape has more than eight times as many of half the edge.
+            let share = (places.len().max(1) as f64 / MOST_STORED as f64).cbrt();
+            let finer = (share * depths.brick).max(least);
+            if finer > FINER * depths.brick {
+                break;
             }
-            // Between those of a surface and those of a solid.
-            depths.brick *= excess.powf(0.4).max(1.02);
-        };
+            depths.brick = finer;
+            places = depths.sort(&depth, extent);
+        }
+        // Where that did not fit for once.
+        while places.len() > MOST_STORED {
+            depths.brick /= FINER;
+            places = depths.sort(&depth, extent);
+        }
         depths.stored = places.par_iter().map(|at| depths.corners(&depth, *at)).collect();
         tell_distances(&mut depths.index, depths.size);
         depths
     }
 
-    /// Fills the index; tells the places of the bricks that are to be stored.
-    fn sort(&mut self, depth: &DepthOf) -> Vec<UVec3> {
+    /// Cuts a box of this extent into bricks and fills the index; tells the places of those that are to be stored.
+    fn sort(&mut self, depth: &DepthOf, extent: DVec3) -> Vec<UVec3> {
+        self.size = (extent / self.brick).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(LONGEST));
         let edge = LONGEST.next_power_of_two().min(self.size.max_element().next_power_of_two());
         let mut kinds = Vec::new();
         self.divide(depth, UVec3::ZERO, edge, &mut kinds);
