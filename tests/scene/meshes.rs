@@ -68,7 +68,10 @@ fn what_is_no_boundary_is_refused_in_words() {
         ),
         (r#"{"mesh": {"file": "good.obj"}, "volume": {"file": "a.vdb"}}"#, "`volume` and `mesh`"),
         (r#"{"mesh": {"file": "good.obj"}, "evaporation": {"lee": 1}}"#, "wispiness"),
-        (r#"{"mesh": {"file": "good.obj"}, "life": {"death": 60}}"#, "density"),
+        (
+            r#"{"mesh": {"file": "good.obj"}, "life": {"birth": 0, "death": 60, "forming": 9, "dissolving": 9}}"#,
+            "density",
+        ),
     ] {
         let text = refused(cloud);
         assert!(text.contains(part), "{cloud}: {text}");
