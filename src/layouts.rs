@@ -9,8 +9,9 @@ use crate::{
         CameraUniform, MEDIA, MIXED,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
-            LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_VOLUMES, MixedUniform, NoiseFrame, PlacedLayerUniform,
-            PlacedVolumeUniform, SQUARES, SpeciesUniform, VOLUME, VOLUME_CELLS, VOLUME_LEVELS, VolumeUniform,
+            LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, NoiseFrame,
+            PlacedLayerUniform, PlacedMeshUniform, PlacedVolumeUniform, SQUARES, SpeciesUniform, VOLUME,
+            VOLUME_CELLS, VOLUME_LEVELS, VolumeUniform,
         },
     },
     gpu,
@@ -51,7 +52,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
     let medium = match name {
         "Layer" => LAYER,
         "Volume" => VOLUME,
-        "PlacedLayer" | "PlacedVolume" | "Mixed" => MIXED,
+        "PlacedLayer" | "PlacedMesh" | "PlacedVolume" | "Mixed" => MIXED,
         _ => MEDIA[0],
     };
     let roles = [&[medium], Transport::default().roles()].concat();
@@ -68,11 +69,16 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 26] = [
+    let cases: [(&str, &str, Layout); 27] = [
         ("path", "Grid", layout!(GridUniform: low, cell, size, first, repeats, more)),
         ("path", "PlacedLayer", layout!(PlacedLayerUniform: layer, origin, body)),
         ("path", "PlacedVolume", layout!(PlacedVolumeUniform: volume, origin, body)),
-        ("path", "Mixed", layout!(MixedUniform: layers, volumes, layer_count, volume_count)),
+        ("path", "PlacedMesh", layout!(PlacedMeshUniform: volume, origin, body, first)),
+        (
+            "path",
+            "Mixed",
+            layout!(MixedUniform: layers, volumes, meshes, layer_count, volume_count, mesh_count),
+        ),
         ("sun_map", "Caster", layout!(CasterUniform: light_box, tiles, turning)),
         (
             "sky",
@@ -229,9 +235,12 @@ fn bricks_of_volumes_are_as_the_shader_takes_them() {
 #[test]
 fn a_mixture_has_the_room_that_the_shader_takes() {
     let text = gpu::entry_point("path", &[MIXED]);
-    for (name, count) in
-        [("MOST_LAYERS", MOST_LAYERS), ("MOST_VOLUMES", MOST_VOLUMES), ("MIXED_ROW", MIXED_ROW as usize)]
-    {
+    for (name, count) in [
+        ("MOST_LAYERS", MOST_LAYERS),
+        ("MOST_MESHES", MOST_MESHES),
+        ("MOST_VOLUMES", MOST_VOLUMES),
+        ("MIXED_ROW", MIXED_ROW as usize),
+    ] {
         assert!(text.contains(&format!("const {name}: u32 = {count}u;")), "{name}");
     }
     assert_eq!(MOST_GRIDS, 1 + MOST_LAYERS);

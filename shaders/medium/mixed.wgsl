@@ -1,9 +1,10 @@
-// The medium as all that a scene has: clouds of ellipsoids, layers and volumes. Extinction at a point is that of the densest
+// The medium as all that a scene has: clouds of ellipsoids, layers, meshes and volumes. Extinction at a point is that of the densest
 // of them, as among clouds. For those that ask at points alone.
-// @use counts ellipsoids_at layer region volume
+// @use counts depth_volume ellipsoids_at layer region volume
 
 const MOST_LAYERS: u32 = 4u;
 const MOST_VOLUMES: u32 = 8u;
+const MOST_MESHES: u32 = 8u;
 
 // A layer: its frame's origin, m, and its body.
 struct PlacedLayer {
@@ -18,13 +19,25 @@ struct PlacedVolume {
     body: u32,
 }
 
+// A mesh, and where its index begins among those of all.
+struct PlacedMesh {
+    volume: DepthVolume,
+    origin: vec3f,
+    body: u32,
+    first: u32,
+    padding_0: u32,
+    padding_1: u32,
+    padding_2: u32,
+}
+
 struct Mixed {
     layers: array<PlacedLayer, MOST_LAYERS>,
     volumes: array<PlacedVolume, MOST_VOLUMES>,
+    meshes: array<PlacedMesh, MOST_MESHES>,
     layer_count: u32,
     volume_count: u32,
+    mesh_count: u32,
     padding_0: u32,
-    padding_1: u32,
 }
 
 @group(1) @binding(4) var<uniform> mixed: Mixed;
@@ -33,6 +46,7 @@ struct Mixed {
 @group(1) @binding(6) var volume_index: texture_2d<u32>;
 @group(1) @binding(7) var volume_atlas: texture_3d<f32>;
 @group(1) @binding(8) var volume_sampler: sampler;
+@group(1) @binding(9) var depth_atlas: texture_3d<f32>;
 
 const MIXED_ROW: u32 = 4096u;
 
@@ -52,6 +66,9 @@ fn all_at(region: Region, p: vec3f, footprint: f32, blur: f32, share: f32) -> Ma
     for (var i = 0u; i < mixed.volume_count; i++) {
         matter = matter_union(matter, volume_at(i, p));
     }
+    for (var i = 0u; i < mixed.mesh_count; i++) {
+        matter = matter_union(matter, mesh_at(i, p, footprint, blur, share));
+    }
     return matter;
 }
 
@@ -68,6 +85,33 @@ fn layer_at(number: u32, place: vec3f, footprint: f32, blur: f32, share: f32) ->
         noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
     }
     return matter_below(body, index, edge, p.y, noise, blur);
+}
+
+fn mesh_at(number: u32, place: vec3f, footprint: f32, blur: f32, share: f32) -> Matter {
+    let volume = mixed.meshes[number].volume;
+    let index = mixed.meshes[number].body;
+    let p = place - mixed.meshes[number].origin;
+    let q = (p - volume.low) / volume.brick;
+    let brick = floor(q);
+    if any(brick < vec3f(0.0)) || any(brick >= vec3f(volume.size)) {
+        return CLEAR;
+    }
+    let held = vec3u(brick);
+    let at = mixed.meshes[number].first + (held.z * volume.size.y + held.y) * volume.size.x + held.x;
+    let entry = textureLoad(volume_index, vec2u(at % MIXED_ROW, at / MIXED_ROW), 0).r;
+    let coordinate = depth_coordinate(volume, depth_number(entry), q - brick);
+    let texel = textureSampleLevel(depth_atlas, volume_sampler, coordinate, 0.0);
+    var certain = depth_certain(volume, DepthPlace(q, brick, entry), texel, vec3f(0.0, 1.0, 0.0));
+    let body = bodies[index];
+    if certain.extinction >= 0.0 {
+        certain.body = index;
+        return matter_at_height(body, certain, p.y);
+    }
+    var noise = vec2f(0.0);
+    if share > 0.0 && p.y > body.level {
+        noise = share * noise_at(noise_volume, repeat, body.noise, p, footprint);
+    }
+    return matter_below(body, index, depth_edge(volume, texel), p.y, noise, blur);
 }
 
 // The finest level: who asks at points alone has no footprint.

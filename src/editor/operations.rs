@@ -27,10 +27,10 @@ impl Document {
         };
         let into = self.active_cloud().map(|(index, _)| index);
         self.edit_and_select("Add ellipsoid", |scene, selection| {
-            // A layer takes none, nor does a volume.
+            // A layer takes none, nor does a mesh or a volume.
             let takes = |index: &usize| {
                 let cloud = &scene.clouds[*index];
-                cloud.layer.is_none() && cloud.volume.is_none()
+                cloud.layer.is_none() && !cloud.is_of_file()
             };
             let found = into.or(scene.clouds.len().checked_sub(1)).filter(takes);
             let cloud = found.unwrap_or_else(|| push_cloud(scene));

@@ -70,13 +70,14 @@ impl Frame {
     /// `scene` at its own time, for a picture of `size` pixels.
     ///
     /// # Errors
-    /// Where a value of the scene is out of its range, a step of a volume can't be read, or `size` has a zero.
+    /// Where a value of the scene is out of its range, a step of a volume can't be read, a mesh was not, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
         let mut moved = scene.at(scene.time)?;
         let camera = moved.camera();
         for cloud in &mut moved.clouds {
             cloud.ellipsoids = cloud.visible().cloned().collect();
             cloud.layer = cloud.layer.take().filter(|_| !cloud.hidden);
+            cloud.mesh = cloud.mesh.take().filter(|_| !cloud.hidden);
             cloud.volume = cloud.volume.take().filter(|_| !cloud.hidden);
         }
         let sun = Sun::new(&moved.sun);
@@ -196,13 +197,19 @@ fn clouds(scene: &Scene) -> Result<Vec<CloudFrame>> {
         if let Some(volume) = &cloud.volume {
             volume.grid()?;
         }
+        if let Some(mesh) = &cloud.mesh {
+            mesh.read_surface()?;
+        }
         let Some((min, max)) = cloud.bounds() else { continue };
         let origin = 0.5 * (min + max);
-        let medium = match &cloud.volume {
+        let (noise, bounds) = (&scene.noise, (min, max));
+        let medium = match (&cloud.mesh, &cloud.volume) {
             // What lets all light through is not there.
-            Some(volume) if volume.extinction <= 0.0 => continue,
-            Some(volume) => Medium::of_volume(cloud, volume, &scene.noise, (min, max), origin)?,
-            None => Medium::new(cloud, &scene.noise, (min, max), origin)?,
+            (_, Some(volume)) if volume.extinction <= 0.0 => continue,
+            (Some(mesh), _) if mesh.density <= 0.0 => continue,
+            (_, Some(volume)) => Medium::of_volume(cloud, volume, noise, bounds, origin)?,
+            (Some(mesh), _) => Medium::of_mesh(cloud, mesh, noise, bounds, origin)?,
+            (None, None) => Medium::new(cloud, noise, bounds, origin)?,
         };
         let medium = Shared::new(medium);
         frames.push(CloudFrame { origin, half: 0.5 * (max - min), medium, number });

@@ -4,7 +4,7 @@
 
 use glam::{IVec3, UVec3, Vec3};
 
-use crate::frame::medium::{EllipsoidUniform, LayerShape, Part, VolumeShape, World};
+use crate::frame::medium::{EllipsoidUniform, LayerShape, MeshShape, Part, VolumeShape, World};
 
 /// `Grid` of `shaders/path.wgsl`.
 #[repr(C)]
@@ -79,18 +79,18 @@ pub fn together(grids: &[Grid]) -> ([GridUniform; MOST_GRIDS], Vec<Cell>) {
 impl Grid {
     /// The grids of what a world has: one of all that ends, then one of each layer.
     pub fn of(world: &World, cells: u32) -> Vec<Self> {
-        let ends = world.ellipsoids.len() + world.volumes.len() > 0 || world.layers.is_empty();
+        let ends =
+            world.ellipsoids.len() + world.volumes.len() + world.meshes.len() > 0 || world.layers.is_empty();
         let first = ends.then(|| Self::new(world, cells));
         first.into_iter().chain(world.layers.iter().map(|layer| Self::of_layer(layer, world))).collect()
     }
 
-    /// A grid of about `cells` cubes around the ellipsoids and volumes: as fine in a flat layer as in a heap,
+    /// A grid of about `cells` cubes around the ellipsoids, meshes and volumes: as fine in a flat layer as in a heap,
     /// but for at most [`LONGEST`] along an axis; one empty cell where there are none.
     fn new(world: &World, cells: u32) -> Self {
-        let boxes = world.volumes.iter().map(|Part { shape, origin, .. }| {
-            let (low, high) = shape.bounds();
-            (low + origin, high + origin)
-        });
+        let volumes = world.volumes.iter().map(|part| (part.origin, part.shape.bounds()));
+        let meshes = world.meshes.iter().map(|part| (part.origin, part.shape.bounds()));
+        let boxes = volumes.chain(meshes).map(|(origin, (low, high))| (low + origin, high + origin));
         let lumps = (!world.ellipsoids.is_empty()).then(|| EllipsoidUniform::bounds(&world.ellipsoids));
         let all = lumps.into_iter().chain(boxes).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let (low, high) = all.unwrap_or_default();
@@ -149,11 +149,14 @@ impl Grid {
             let e = &ellipsoids[i as usize];
             e.extinction * bodies[e.body as usize].most_profile(top)
         };
-        // Those of a volume that is alone hold it, and are not seen.
-        let seen = if world.volumes.is_empty() || !world.is_alone() { list } else { &[] };
-        let lumps = seen.iter().map(most).fold(0.0, f32::max);
+        let lumps = list.iter().map(most).fold(0.0, f32::max);
+        let mesh = |part: &Part<MeshShape>| {
+            let body = &bodies[part.body as usize];
+            part.shape.most_within(middle - part.origin, radius) * body.most_profile(top - part.origin.y)
+        };
         let volume = |part: &Part<VolumeShape>| part.shape.most_within(middle - part.origin, radius);
-        let majorant = world.volumes.iter().map(volume).fold(lumps, f32::max);
+        let held = world.volumes.iter().map(volume).chain(world.meshes.iter().map(mesh));
+        let majorant = held.fold(lumps, f32::max);
         let count = if majorant > 0.0 { list.len() as u32 } else { 0 };
         self.cells.push(Cell { first: first as u32, count, majorant, clear: 0 });
     }
@@ -194,9 +197,11 @@ mod tests {
         World {
             origin: DVec3::ZERO,
             ellipsoids,
+            holders: Vec::new(),
             species: Vec::new(),
             bodies,
             layers: Vec::new(),
+            meshes: Vec::new(),
             volumes: Vec::new(),
             fields: None,
         }

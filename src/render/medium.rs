@@ -117,7 +117,7 @@ impl Media {
         match &medium.layer {
             Some(_) => MediumKind::Layer,
             None if medium.volume.is_some() => MediumKind::Volume,
-            None if self.is_baked(medium) => MediumKind::DepthVolume,
+            None if medium.mesh.is_some() || self.is_baked(medium) => MediumKind::DepthVolume,
             None => MediumKind::Ellipsoids,
         }
     }
@@ -127,6 +127,11 @@ impl Media {
         let (kind, picture) = (self.kind(medium), self.picture);
         if let Some(volume) = &medium.volume {
             self.keep_bricks(&volume.bricks);
+        }
+        if medium.mesh.is_some()
+            && let Some((_, last)) = self.volumes.get_mut(&medium.shape)
+        {
+            *last = picture;
         }
         let known = self.kept.get_mut(&medium.fingerprint).into_iter().flatten();
         let mut known = known.filter(|kept| kept.kind == kind && kept.medium == *medium);
@@ -196,6 +201,13 @@ impl Media {
         if let Some(volume) = &medium.volume {
             let textures = self.keep_bricks(&volume.bricks).clone();
             return common.bind_volume(&self.device, &layout, &volume.uniform, &textures);
+        }
+        if let Some(mesh) = &medium.mesh {
+            let uploaded = || {
+                self.baked += 1;
+                (Volume::Baked(Box::new(mesh.upload(device, queue))), self.picture)
+            };
+            self.volumes.entry(medium.shape).or_insert_with(uploaded);
         }
         let Some((volume, _)) =
             self.volumes.get_mut(&medium.shape).filter(|_| kind == MediumKind::DepthVolume)

@@ -1,4 +1,4 @@
-//! A cloud: ellipsoids that share their water, a layer, or a volume.
+//! A cloud: ellipsoids that share their water, a layer, a mesh, or a volume.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::validate::{At, COORDINATE, Limits};
 use super::{
-    Bounds, CoverMap, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Noise, Volume, union,
+    Bounds, CoverMap, Droplets, Edge, Ellipsoid, Evaporation, Growth, Layer, Life, Mesh, Noise, Volume, union,
 };
 use crate::Result;
 
@@ -14,7 +14,7 @@ use crate::Result;
 const LEAST_SEEN: f64 = 0.2;
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
-/// A cloud: the union of its ellipsoids, a layer, or a volume, filled with droplets of one kind.
+/// A cloud: the union of its ellipsoids, a layer, the inside of a mesh, or a volume, filled with droplets of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Cloud {
@@ -30,7 +30,10 @@ pub struct Cloud {
     /// A sheet or a deck to the horizon, in place of `ellipsoids` and `growth`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layer: Option<Layer>,
-    /// Density that another program made, in place of `ellipsoids`, `growth` and `layer`.
+    /// A closed mesh that is its boundary, in place of `ellipsoids`, `growth` and `layer`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<Mesh>,
+    /// Density that another program made, in place of `ellipsoids`, `growth`, `layer` and `mesh`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub volume: Option<Volume>,
     /// The water of the cloud.
@@ -79,6 +82,7 @@ impl Default for Cloud {
             growth: None,
             ellipsoids: Vec::new(),
             layer: None,
+            mesh: None,
             volume: None,
             droplets: Droplets::default(),
             edge: Edge::default(),
@@ -109,6 +113,11 @@ impl Cloud {
     /// A layer.
     pub fn layered(name: &str, layer: Layer) -> Self {
         Self { name: name.to_owned(), layer: Some(layer), ..Self::default() }
+    }
+
+    /// A cloud with a mesh as its boundary.
+    pub fn of_mesh(name: &str, mesh: Mesh) -> Self {
+        Self { name: name.to_owned(), mesh: Some(mesh), ..Self::default() }
     }
 
     /// A volume.
@@ -147,6 +156,9 @@ impl Cloud {
         if let Some(volume) = &mut self.volume {
             volume.place += offset;
         }
+        if let Some(mesh) = &mut self.mesh {
+            mesh.place += offset;
+        }
         match &mut self.growth {
             Some(growth) => {
                 growth.place += offset;
@@ -159,19 +171,22 @@ impl Cloud {
         }
     }
 
-    /// Exact axis-aligned bounds of all ellipsoids above its level, or of its volume, metres; `None` without any.
+    /// Exact axis-aligned bounds of all ellipsoids or the mesh above its level, or of its volume, metres; `None` without any.
     pub fn bounds(&self) -> Option<Bounds> {
         self.bounds_of(self.ellipsoids.iter()).or_else(|| self.volume.as_ref()?.bounds())
     }
 
     /// The same of those that pictures show.
     pub fn visible_bounds(&self) -> Option<Bounds> {
-        let volume = self.volume.as_ref().filter(|_| !self.hidden);
-        self.bounds_of(self.visible()).or_else(|| volume?.bounds())
+        if self.ellipsoids.is_empty() {
+            return self.bounds().filter(|_| !self.hidden);
+        }
+        self.bounds_of(self.visible())
     }
 
     fn bounds_of<'a>(&self, ellipsoids: impl Iterator<Item = &'a Ellipsoid>) -> Option<Bounds> {
-        let (mut low, high) = ellipsoids.map(Ellipsoid::bounds).reduce(union)?;
+        let mesh = self.mesh.as_ref().and_then(Mesh::bounds);
+        let (mut low, high) = ellipsoids.map(Ellipsoid::bounds).chain(mesh).reduce(union)?;
         // All of it may be below.
         low.y = self.level.map_or(low.y, |level| low.y.max(level.min(high.y)));
         Some((low, high))
@@ -179,7 +194,25 @@ impl Cloud {
 
     /// Whether there is nothing of it.
     pub fn is_empty(&self) -> bool {
-        self.ellipsoids.is_empty() && self.layer.is_none() && self.volume.is_none()
+        self.ellipsoids.is_empty() && self.layer.is_none() && !self.is_of_file()
+    }
+
+    /// Whether its shape is in a file: a mesh or a volume.
+    pub fn is_of_file(&self) -> bool {
+        self.mesh.is_some() || self.volume.is_some()
+    }
+
+    /// A number that differs where what the files of its mesh or volume hold does; `None` where there are none, or they
+    /// were not read.
+    #[cfg_attr(
+        not(any(feature = "cli", feature = "editor")),
+        allow(dead_code, reason = "who keeps pictures asks")
+    )]
+    pub(crate) fn fingerprint(&self) -> Option<u64> {
+        match (&self.mesh, &self.volume) {
+            (Some(mesh), _) => Some(mesh.surface()?.fingerprint()),
+            (_, volume) => volume.as_ref()?.fingerprint(),
+        }
     }
 
     /// The ellipsoids that pictures show.
@@ -208,6 +241,9 @@ impl Cloud {
         if self.volume.is_some() {
             self.check_volume_alone(at)?;
         }
+        if self.mesh.is_some() {
+            self.check_mesh_alone(at)?;
+        }
         for (i, ellipsoid) in self.ellipsoids.iter().enumerate() {
             ellipsoid.check(list.index(i))?;
         }
@@ -226,6 +262,9 @@ impl Cloud {
         }
         if let Some(volume) = &self.volume {
             volume.check(at.field("volume"))?;
+        }
+        if let Some(mesh) = &self.mesh {
+            mesh.check(at.field("mesh"))?;
         }
         at.field("blend").number(self.blend, SHARE)?;
         if let Some(level) = self.level {
@@ -251,6 +290,7 @@ impl Cloud {
             ("level", self.level.is_some(), "leave it out: the layer's `base` is where it begins"),
             ("life", self.life.is_some(), "leave it out, and animate the layer's `coverage`"),
             ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
+            ("mesh", self.mesh.is_some(), "leave out one of them, or make two clouds"),
             ("volume", self.volume.is_some(), "leave out one of them, or make two clouds"),
         ];
         alone(at, ["layer", "layers"], others)
@@ -263,6 +303,7 @@ impl Cloud {
         let others = [
             ("growth", self.growth.is_some(), both),
             ("ellipsoids", !self.ellipsoids.is_empty(), both),
+            ("mesh", self.mesh.is_some(), both),
             ("level", self.level.is_some(), file),
             ("life", self.life.is_some(), "leave it out, and animate the volume's `extinction`"),
             ("evaporation", !self.evaporation.is_none(), file),
@@ -270,6 +311,18 @@ impl Cloud {
             ("dilution", self.dilution > 0.0, file),
         ];
         alone(at, ["volume", "volumes"], others)
+    }
+
+    /// Checks that nothing is told that a mesh does not have.
+    fn check_mesh_alone(&self, at: At) -> Result<()> {
+        let both = "leave out one of them, or make two clouds";
+        let others = [
+            ("growth", self.growth.is_some(), both),
+            ("ellipsoids", !self.ellipsoids.is_empty(), both),
+            ("life", self.life.is_some(), "leave it out, and animate the mesh's `density`"),
+            ("evaporation", !self.evaporation.is_none(), "leave it out, and raise the edge's `wispiness`"),
+        ];
+        alone(at, ["mesh", "meshes"], others)
     }
 }
 

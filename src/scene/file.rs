@@ -10,7 +10,7 @@ use schemars::schema_for;
 use serde_json::Value;
 
 use super::explain::{explain, not_json};
-use super::{Cloud, FORMAT, MAX_ELLIPSOIDS, Scene, validate};
+use super::{Cloud, FORMAT, MAX_ELLIPSOIDS, Mesh, Scene, validate};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
@@ -56,19 +56,29 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of its volumes and of the maps of its layers, whose paths start from `folder`.
+    /// Reads the files of its meshes and volumes and of the maps of its layers, whose paths start from `folder`.
     ///
     /// # Errors
     /// [`Error::Scene`] with the JSON path of the first that can't be read, and why.
     pub fn read_volumes(&mut self, folder: &Path) -> Result<()> {
         let root = validate::At::Root;
         let list = root.field("clouds");
+        let mut meshes: Vec<Mesh> = Vec::new();
         for (i, cloud) in self.clouds.iter_mut().enumerate() {
             let at = list.index(i);
             if let Some(map) = cloud.layer.as_mut().and_then(|layer| layer.map.as_mut()) {
                 let layer = at.field("layer");
                 let at = layer.field("map");
                 map.read(folder).map_err(|error| at.problem(error.to_string()))?;
+            }
+            if let Some(mesh) = &mut cloud.mesh {
+                let at = at.field("mesh");
+                match meshes.iter().find(|known| known.file == mesh.file) {
+                    Some(known) => mesh.take_surface_of(known),
+                    None => mesh.read(folder).map_err(|error| at.problem(error.to_string()))?,
+                }
+                meshes.push(mesh.clone());
+                mesh.check(at)?;
             }
             let Some(volume) = &mut cloud.volume else { continue };
             let at = at.field("volume");
@@ -92,15 +102,15 @@ impl Scene {
     /// Validates the scene and writes it as JSON.
     ///
     /// Other programs see the old file or the new one, never a half: the text goes to
-    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of volumes and maps
-    /// that were read are told from the folder of the file.
+    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of meshes, volumes and
+    /// maps that were read are told from the folder of the file.
     ///
     /// # Errors
     /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.validate()?;
         let path = path.as_ref();
-        let names = |cloud: &Cloud| cloud.volume.is_some() || cloud.map().is_some();
+        let names = |cloud: &Cloud| cloud.is_of_file() || cloud.map().is_some();
         let text = match self.clouds.iter().any(names) {
             true => self.written_from(folder_of(path)).to_json(),
             false => self.to_json(),
@@ -108,10 +118,11 @@ impl Scene {
         write_whole(path, |file| file.write_all(text.as_bytes()))
     }
 
-    /// The same scene in a file in `folder`: paths of volumes and maps that were read are told from there.
+    /// The same scene in a file in `folder`: paths of meshes, volumes and maps that were read are told from there.
     pub(crate) fn written_from(&self, folder: &Path) -> Self {
         let mut written = self.clone();
         written.volumes_mut().for_each(|volume| *volume = volume.written_from(folder));
+        written.meshes_mut().for_each(|mesh| *mesh = mesh.written_from(folder));
         let maps = written.clouds.iter_mut().filter_map(|cloud| cloud.layer.as_mut()?.map.as_mut());
         maps.for_each(|map| *map = map.written_from(folder));
         written
@@ -167,6 +178,9 @@ impl Scene {
         }
         for volume in self.volumes_mut() {
             volume.orientation = validate::unit(volume.orientation);
+        }
+        for mesh in self.meshes_mut() {
+            mesh.orientation = validate::unit(mesh.orientation);
         }
     }
 }

@@ -7,6 +7,7 @@ mod camera;
 mod cloud;
 mod cover_map;
 mod dice;
+mod distance;
 mod droplets;
 mod edge;
 mod ellipsoid;
@@ -19,6 +20,7 @@ mod growth;
 mod layer;
 mod life;
 mod light;
+mod mesh;
 mod moment;
 mod movement;
 mod noise;
@@ -28,6 +30,7 @@ mod sequence;
 mod sky;
 mod steps;
 mod sun;
+mod surface;
 pub mod timeline;
 mod tone;
 mod validate;
@@ -56,6 +59,7 @@ pub use growth::{Growth, GrowthKind};
 pub use layer::Layer;
 pub use life::Life;
 pub use light::{Light, LightSource, Lightning, MAX_LIGHTS};
+pub use mesh::{Mesh, ReadMesh};
 pub use movement::Movement;
 pub use noise::{Noise, Renewed};
 pub use particles::{Habit, Species};
@@ -65,6 +69,7 @@ pub use presets::{Heaps, Preset};
 pub use sequence::{Between, Beyond, Sequence};
 pub use sky::{Atmosphere, Ground, Sky};
 pub use sun::{Sun, SunPosition};
+pub use surface::Surface;
 pub use timeline::Timeline;
 pub use tone::{Tone, ToneCurve};
 pub use volume::{Brick, Endian, Opened, StepRange, Up, Volume};
@@ -171,8 +176,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Axis-aligned bounds of all ellipsoids (exact) and volumes at time 0, metres; `None` without any. Layers
-    /// have none, and volumes that were not read.
+    /// Axis-aligned bounds of all ellipsoids and meshes (exact) and volumes at time 0, metres; `None` without any. Layers
+    /// have none, and files that were not read.
     pub fn bounds(&self) -> Option<Bounds> {
         self.clouds.iter().filter_map(Cloud::bounds).reduce(union)
     }
@@ -198,6 +203,11 @@ impl Scene {
     /// The volumes of all clouds.
     pub fn volumes_mut(&mut self) -> impl Iterator<Item = &mut Volume> {
         self.clouds.iter_mut().filter_map(|cloud| cloud.volume.as_mut())
+    }
+
+    /// The meshes of all clouds.
+    pub fn meshes_mut(&mut self) -> impl Iterator<Item = &mut Mesh> {
+        self.clouds.iter_mut().filter_map(|cloud| cloud.mesh.as_mut())
     }
 
     /// Everything that shapes boundaries: the scene's noise, and the clouds' own.

@@ -297,6 +297,8 @@ fn part(cloud: &Cloud, ramp: f64, drift: DVec3) -> Cloud {
     part.ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.density *= there);
     part.layer.iter_mut().for_each(|layer| layer.density *= there);
     part.layer = part.layer.filter(|_| there > 0.0);
+    part.mesh.iter_mut().for_each(|mesh| mesh.density *= there);
+    part.mesh = part.mesh.filter(|_| there > 0.0);
     part.volume.iter_mut().for_each(|volume| volume.extinction *= there);
     part.volume = part.volume.filter(|_| there > 0.0);
     part.blow(drift);
@@ -317,6 +319,7 @@ impl Cloud {
     fn blow(&mut self, drift: DVec3) {
         blow(&mut self.ellipsoids, drift);
         self.layer.iter_mut().for_each(|layer| layer.shift(drift));
+        self.mesh.iter_mut().for_each(|mesh| mesh.place += drift);
         self.volume.iter_mut().for_each(|volume| volume.place += drift);
         self.level = self.level.map(|level| level + drift.y);
         if let Some(noise) = &mut self.noise {

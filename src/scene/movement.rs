@@ -139,8 +139,8 @@ impl Lump {
 fn lumps(cloud: &Cloud) -> Vec<Lump> {
     let lump =
         |ellipsoid: &Ellipsoid| Lump { center: ellipsoid.center, radius: ellipsoid.radii.max_element() };
-    match (&cloud.volume, cloud.bounds()) {
-        (Some(_), Some((low, high))) => {
+    match cloud.bounds() {
+        Some((low, high)) if cloud.is_of_file() => {
             vec![Lump { center: 0.5 * (low + high), radius: 0.5 * low.distance(high) }]
         }
         _ => cloud.ellipsoids.iter().map(lump).collect(),
@@ -151,6 +151,9 @@ impl Ways {
     /// From one moment to another; none where its parts are others by then.
     fn between(from: &Cloud, to: &Cloud) -> Option<Self> {
         if let (Some(from), Some(to)) = (&from.volume, &to.volume) {
+            return Some(Self::Together(to.place - from.place));
+        }
+        if let (Some(from), Some(to)) = (&from.mesh, &to.mesh) {
             return Some(Self::Together(to.place - from.place));
         }
         if let (Some(from), Some(to)) = (&from.layer, &to.layer) {

@@ -74,6 +74,16 @@ pub enum Up {
     Z,
 }
 
+impl Up {
+    /// From the file's axes to those of the scene.
+    pub(super) fn rotation(self) -> DMat3 {
+        match self {
+            Self::Y => DMat3::IDENTITY,
+            Self::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
+        }
+    }
+}
+
 /// The order of the bytes of a number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -350,11 +360,7 @@ impl Volume {
 
     /// From vectors in its file's lengths to those of the scene, m.
     fn scene_from_file(&self) -> DMat3 {
-        let turned = match self.up {
-            Up::Y => DMat3::IDENTITY,
-            Up::Z => DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y),
-        };
-        DMat3::from_quat(self.orientation) * turned * self.scale
+        DMat3::from_quat(self.orientation) * self.up.rotation() * self.scale
     }
 
     /// Numbers of voxels between which there may be something: values change from one voxel's middle to the next.

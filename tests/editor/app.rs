@@ -276,6 +276,29 @@ fn a_volume_that_is_dropped_is_added_with_its_numbers_and_stays() {
 }
 
 #[test]
+fn a_cloud_with_a_mesh_opens_with_its_numbers_and_is_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.json");
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.path().join("rock.obj"), tetrahedron).unwrap();
+    let text = r#"{"clouds": [{"name": "boulder", "mesh": {"file": "rock.obj", "scale": 300, "place": [0, 900, 0]}}]}"#;
+    fs::write(&path, text).unwrap();
+    let mut window = open(folder.path(), Some(&path));
+    window.get_by_label("boulder").click();
+    window.run_steps(4);
+    window.get_by_label_contains("rock.obj: 4 triangles");
+    enter(&mut window, "Metres per unit", "400");
+    let mesh = |window: &Window<'_>| window.state().scene().clouds[0].mesh.clone().unwrap();
+    assert_eq!(mesh(&window).scale, 400.0);
+    assert!(mesh(&window).surface().is_some(), "what was read stays");
+    window.run_steps(4);
+    shoot(&mut window, "mesh");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    let saved = Scene::load(&path).unwrap();
+    assert_eq!(saved.clouds[0].mesh.as_ref().unwrap().file, "rock.obj");
+}
+
+#[test]
 fn a_picture_that_is_dropped_paints_the_selected_layer() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Stratus);

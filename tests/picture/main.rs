@@ -17,6 +17,7 @@ mod light_turns;
 mod lights;
 mod march;
 mod media;
+mod meshes;
 mod mixed;
 mod mixtures;
 mod moments;

@@ -169,6 +169,43 @@ fn a_filled_mesh_is_a_scene() {
 }
 
 #[test]
+fn a_mesh_itself_is_the_boundary_of_a_cloud() {
+    let desk = Desk::new();
+    let corners = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
+    let faces = "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 4 8 7 3\nf 1 5 8 4\n";
+    fs::create_dir(desk.path("meshes")).unwrap();
+    fs::write(desk.path("meshes/box.obj"), format!("{corners}{faces}f 2 3 7 6\n")).unwrap();
+    let told = desk.told("fill meshes/box.obj --exact -o box.json --scale 100 --at -5,1000,0");
+    assert!(told.contains("within 12 triangles") && !told.contains("openings"), "{told}");
+    let scene = Scene::load(desk.path("box.json")).unwrap();
+    let mesh = scene.clouds[0].mesh.as_ref().unwrap();
+    assert_eq!((mesh.file.as_str(), mesh.scale), ("meshes/box.obj", 100.0));
+    let (low, high) = scene.bounds().unwrap();
+    assert_eq!((low.to_array(), high.to_array()), ([-105.0, 900.0, -100.0], [95.0, 1100.0, 100.0]));
+    // A fifth of the radius of the ball that has as much volume over area.
+    assert!((scene.clouds[0].edge.boundary - 20.0).abs() < 1e-9);
+    // Saved elsewhere it finds its mesh again.
+    scene.save(desk.path("meshes/beside.json")).unwrap();
+    assert_eq!(
+        Scene::load(desk.path("meshes/beside.json")).unwrap().clouds[0].mesh.as_ref().unwrap().file,
+        "box.obj"
+    );
+    fs::write(desk.path("lidless.obj"), format!("{corners}{faces}")).unwrap();
+    assert!(desk.told("fill lidless.obj --exact -o lidless.json").contains("openings"));
+    fs::write(desk.path("sheet.obj"), format!("{corners}f 1 4 3 2\n")).unwrap();
+    fs::write(desk.path("points.csv"), "0,0,0\n1,0,0\n").unwrap();
+    for (words, part) in [
+        ("fill sheet.obj --exact -o a.json", "is open"),
+        ("fill points.csv --exact -o a.json", "have no surface"),
+        ("fill gone.obj --exact -o a.json", "gone.obj"),
+        ("fill meshes/box.obj --exact --count 3 -o a.json", "--count"),
+    ] {
+        let text = desk.complaint(words);
+        assert!(text.contains(part), "{words}: {text}");
+    }
+}
+
+#[test]
 fn what_cannot_be_is_refused_in_words() {
     let desk = Desk::new();
     fs::write(desk.path("empty.json"), "{}").unwrap();

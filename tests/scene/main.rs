@@ -8,6 +8,8 @@ mod imports_gltf;
 mod layers;
 #[cfg(feature = "import")]
 mod les;
+#[cfg(feature = "import")]
+mod meshes;
 mod optics;
 mod particles;
 #[cfg(feature = "import")]

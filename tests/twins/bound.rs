@@ -99,7 +99,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("moments_scatter", "gathered"),
             ("multiple_scattering", "orders_along"),
             ("sky_volume", "optical_depth_along"),
-            ("medium", "medium_at medium_mean_at medium_on_ray medium_facing cloud_at all_at layer_at volume_at"),
+            ("medium", "medium_at medium_mean_at medium_on_ray medium_facing cloud_at all_at layer_at mesh_at volume_at"),
             ("ellipsoids_at", "clouds_at cloud_at"),
             ("light", "slab_sets slab_radiance"),
         ],

@@ -7,15 +7,15 @@ use siphasher::sip128::{Hasher128, SipHasher13};
 use super::super::picture::PictureOptions;
 use crate::{
     export::{Header, Notes},
-    scene::Scene,
+    scene::{Cloud, Scene},
 };
 
 /// Name of the note in a frame's file.
 const NOTE: &str = "nephos.frame";
 
-/// A moment as text, and what is in the files of its volumes: those may have changed under their names.
+/// A moment as text, and what is in the files of its meshes and volumes: those may have changed under their names.
 pub fn identity(moment: &Scene) -> String {
-    let files = moment.clouds.iter().filter_map(|cloud| cloud.volume.as_ref()?.fingerprint());
+    let files = moment.clouds.iter().filter_map(Cloud::fingerprint);
     files.fold(moment.to_json(), |text, file| text + &format!("{file:016x}"))
 }
 

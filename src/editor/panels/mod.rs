@@ -4,6 +4,7 @@ mod droplets;
 mod growth;
 mod layer;
 mod lights;
+mod mesh;
 mod object;
 mod outliner;
 mod outliner_row;

@@ -10,6 +10,7 @@ use super::{
     growth::growth,
     hint,
     layer::layer,
+    mesh::mesh,
     section,
     volume::{sequence, volume},
 };
@@ -56,13 +57,19 @@ impl ObjectPanel {
             section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
             return;
         }
+        let is_mesh = cloud.mesh.is_some();
+        if is_mesh {
+            section(ui, "Mesh", true, |ui| mesh(ui, document, index, &cloud));
+        }
         let is_layer = cloud.layer.is_some();
-        section(ui, "Layer", is_layer, |ui| layer(ui, document, index, &cloud));
-        if !is_layer {
+        if !is_mesh {
+            section(ui, "Layer", is_layer, |ui| layer(ui, document, index, &cloud));
+        }
+        if !is_layer && !is_mesh {
             section(ui, "Growth", cloud.growth.is_some(), |ui| growth(ui, document, index, &cloud));
         }
         section(ui, "Noise", false, |ui| own_noise(ui, document, index, cloud.clone()));
-        if !is_layer {
+        if !is_layer && !is_mesh {
             section(ui, "Life", false, |ui| life(ui, document, index, cloud.life.clone()));
         }
         section(ui, "Droplets", true, |ui| droplets(ui, document, index, &cloud));
@@ -211,15 +218,21 @@ fn cloud_fields(ui: &mut Ui, document: &mut Document, index: usize, mut cloud: C
 
 /// What layers do not have.
 fn shape_rows(form: &mut Form<'_>, cloud: &mut Cloud, wind: DVec3) {
-    form.works(cloud.ellipsoids.len() > 1, "One ellipsoid alone has none to join: add another.");
-    form.number("Cloud.blend", "Blend", &mut cloud.blend, Cloud::default().blend);
-    form.works(true, "");
+    let is_mesh = cloud.mesh.is_some();
+    if !is_mesh {
+        form.works(cloud.ellipsoids.len() > 1, "One ellipsoid alone has none to join: add another.");
+        form.number("Cloud.blend", "Blend", &mut cloud.blend, Cloud::default().blend);
+        form.works(true, "");
+    }
     let mut flat = cloud.level.is_some();
     form.check("Cloud.level", "Flat base", &mut flat, false);
     let lowest = cloud.bounds().map_or(0.0, |(low, _)| low.y);
     cloud.level = flat.then(|| cloud.level.unwrap_or(lowest));
     if let Some(level) = &mut cloud.level {
         form.slider("Cloud.level", "Base altitude", level, lowest, lowest - 500.0..=lowest + 500.0);
+    }
+    if is_mesh {
+        return;
     }
     let has_lee = wind.with_y(0.0) != DVec3::ZERO;
     form.works(has_lee, "Without wind there is no lee: give it a velocity in the World panel.");

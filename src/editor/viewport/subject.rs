@@ -6,7 +6,7 @@ use super::{settings::Layer, stage::Stage};
 use crate::{
     Result,
     render::Frame,
-    scene::{Camera, Scene, ToneCurve},
+    scene::{Camera, Cloud, Scene, ToneCurve},
 };
 
 /// What is to be seen.
@@ -54,7 +54,7 @@ impl Subject {
     }
 }
 
-/// What was read of the files of volumes, which scenes do not tell.
+/// What was read of the files of meshes and volumes, which scenes do not tell.
 fn grids(scene: &Scene) -> impl Iterator<Item = Option<u64>> {
-    scene.clouds.iter().map(|cloud| cloud.volume.as_ref()?.fingerprint())
+    scene.clouds.iter().map(Cloud::fingerprint)
 }

@@ -1,5 +1,5 @@
 //! A cloud's depth below its boundary, baked into a sparse volume when its shape changes, so that a
-//! sample asks one texel instead of each ellipsoid.
+//! sample asks one texel instead of each ellipsoid. Of meshes it is all there is: `mesh` bakes it.
 //!
 //! Space around the cloud is cut into bricks of [`CELLS`] cells. Bricks that no ellipsoid reaches into are
 //! empty, and tell how far other bricks are, so that rays jump; bricks within the core of the densest
@@ -21,9 +21,9 @@ pub(crate) const DEPTH_VOLUME: Role<'static> =
 pub(crate) const CELLS: u32 = 8;
 const CORNERS: u32 = CELLS + 1;
 /// Most bricks of an atlas: 24 MiB of it.
-const MOST_STORED: usize = 4096;
+pub(super) const MOST_STORED: usize = 4096;
 /// Most bricks along an axis.
-const LONGEST: u32 = 96;
+pub(super) const LONGEST: u32 = 96;
 /// A cell's edge as a share of the smallest radius of most lumps (the lower quartile), at best and at worst.
 const FINEST: f32 = 1.0 / 6.0;
 const COARSEST: f32 = 0.5;
@@ -32,8 +32,8 @@ const MOST_ENTRIES: f32 = (1 << 22) as f32;
 /// From one size of bricks to the next larger one that is tried.
 const COARSER: f32 = 1.2;
 /// Kinds of bricks, in the two highest bits of an entry.
-const CORE: u32 = 1 << 30;
-const STORED: u32 = 2 << 30;
+pub(super) const CORE: u32 = 1 << 30;
+pub(super) const STORED: u32 = 2 << 30;
 /// Farthest that an empty brick tells others to be.
 const FARTHEST: u32 = 8;
 
@@ -176,7 +176,7 @@ impl Plan {
             if entries(ellipsoids, brick) <= MOST_ENTRIES {
                 let mut plan = Self::of(ellipsoids, level, (low, extent), brick);
                 if plan.stored.len() <= MOST_STORED {
-                    plan.tell_distances();
+                    tell_distances(&mut plan.index, plan.size);
                     return Some(plan);
                 }
             }
@@ -216,22 +216,21 @@ impl Plan {
         }
         plan
     }
+}
 
-    /// Empty bricks tell how many bricks away others are, at least: each round looks one brick farther.
-    fn tell_distances(&mut self) {
-        let empty: Vec<bool> = self.index.iter().map(|&entry| entry < CORE).collect();
-        let mut distance: Vec<u32> = empty.iter().map(|&empty| if empty { FARTHEST } else { 0 }).collect();
-        for _ in 0..FARTHEST {
-            let before = distance.clone();
-            for (i, far) in distance.iter_mut().enumerate().filter(|(_, far)| **far > 0) {
-                let place = place(self.size, i);
-                let nearest = around(place, self.size).map(|at| before[number(self.size, at)]).min();
-                *far = (nearest.unwrap_or(0) + 1).min(*far);
-            }
+/// Has empty bricks of an index tell how many bricks away others are, at least: each round looks one brick farther.
+pub(super) fn tell_distances(index: &mut [u32], size: UVec3) {
+    let empty: Vec<bool> = index.iter().map(|&entry| entry < CORE).collect();
+    let mut distance: Vec<u32> = empty.iter().map(|&empty| if empty { FARTHEST } else { 0 }).collect();
+    for _ in 0..FARTHEST {
+        let before = distance.clone();
+        for (i, far) in distance.iter_mut().enumerate().filter(|(_, far)| **far > 0) {
+            let nearest = around(place(size, i), size).map(|at| before[number(size, at)]).min();
+            *far = (nearest.unwrap_or(0) + 1).min(*far);
         }
-        for (entry, far) in self.index.iter_mut().zip(distance).filter(|(entry, _)| **entry < CORE) {
-            *entry = far;
-        }
+    }
+    for (entry, far) in index.iter_mut().zip(distance).filter(|(entry, _)| **entry < CORE) {
+        *entry = far;
     }
 }
 
@@ -258,16 +257,16 @@ fn lists(ellipsoids: &[EllipsoidUniform], low: Vec3, brick: f32, size: UVec3) ->
     lists
 }
 
-fn number(size: UVec3, at: UVec3) -> usize {
+pub(super) fn number(size: UVec3, at: UVec3) -> usize {
     ((at.z * size.y + at.y) * size.x + at.x) as usize
 }
 
-fn place(size: UVec3, number: usize) -> UVec3 {
+pub(super) fn place(size: UVec3, number: usize) -> UVec3 {
     let number = number as u32;
     UVec3::new(number % size.x, number / size.x % size.y, number / (size.x * size.y))
 }
 
-fn cells(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
+pub(super) fn cells(first: UVec3, last: UVec3) -> impl Iterator<Item = UVec3> {
     let span = |a: u32, b: u32| -> RangeInclusive<u32> { a..=b };
     span(first.z, last.z).flat_map(move |z| {
         span(first.y, last.y).flat_map(move |y| span(first.x, last.x).map(move |x| UVec3::new(x, y, z)))

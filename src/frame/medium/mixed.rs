@@ -1,10 +1,11 @@
-//! Layers and volumes among other clouds, for those that ask all at once (`shaders/medium/mixed.wgsl`).
+//! Layers, meshes and volumes among other clouds, for those that ask all at once (`shaders/medium/mixed.wgsl`).
 
 use glam::{UVec3, Vec3};
 
 use super::{
-    LayerUniform, VolumeUniform,
-    atlas::{atlas, index_of, slots_of, texel_of},
+    DepthVolumeUniform, LayerUniform, MeshShape, VolumeUniform,
+    atlas::{atlas, fill_atlas, index_of, slots, slots_of, texel_of},
+    depth_volume::STORED,
     layer_tile::fields,
     world::{Part, World},
 };
@@ -13,8 +14,9 @@ use crate::gpu::{self, Gpu, Role, TextureDesc};
 /// The medium as all that a scene has, for those that ask at points alone: it knows no rays.
 pub const MIXED: Role<'static> = ("medium", include_str!("../../../shaders/medium/mixed.wgsl"));
 
-/// Layers and volumes that there is room for.
+/// Layers, meshes and volumes that there is room for.
 pub(crate) const MOST_LAYERS: usize = 4;
+pub(crate) const MOST_MESHES: usize = 8;
 pub(crate) const MOST_VOLUMES: usize = 8;
 /// Entries of a row of the index.
 pub(crate) const ROW: u32 = 4096;
@@ -26,6 +28,17 @@ pub struct PlacedLayerUniform {
     pub(crate) layer: LayerUniform,
     pub(crate) origin: Vec3,
     pub(crate) body: u32,
+}
+
+/// `PlacedMesh` of the shader.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct PlacedMeshUniform {
+    pub(crate) volume: DepthVolumeUniform,
+    pub(crate) origin: Vec3,
+    pub(crate) body: u32,
+    pub(crate) first: u32,
+    padding: [u32; 3],
 }
 
 /// `PlacedVolume` of the shader.
@@ -43,45 +56,73 @@ pub struct PlacedVolumeUniform {
 pub struct MixedUniform {
     pub(crate) layers: [PlacedLayerUniform; MOST_LAYERS],
     pub(crate) volumes: [PlacedVolumeUniform; MOST_VOLUMES],
+    pub(crate) meshes: [PlacedMeshUniform; MOST_MESHES],
     pub(crate) layer_count: u32,
     pub(crate) volume_count: u32,
-    padding: [u32; 2],
+    pub(crate) mesh_count: u32,
+    padding: u32,
 }
 
-/// What the shader binds of layers and volumes.
+/// What the shader binds of layers, meshes and volumes.
 pub(super) struct Mixed {
     pub uniform: wgpu::Buffer,
     pub fields: wgpu::TextureView,
     pub index: wgpu::TextureView,
     pub atlas: wgpu::TextureView,
+    pub depths: wgpu::TextureView,
 }
 
 impl Mixed {
     pub fn new(gpu: &Gpu, world: &World) -> Self {
         let Gpu { device, queue, .. } = gpu;
         let bricks: Vec<_> = world.volumes.iter().map(|part| &*part.shape.bricks).collect();
-        let (firsts, entries) = index_of(&bricks);
+        let (firsts, mut entries) = index_of(&bricks);
         let mut uniform = MixedUniform {
             layer_count: world.layers.len() as u32,
             volume_count: world.volumes.len() as u32,
+            mesh_count: world.meshes.len() as u32,
             ..bytemuck::Zeroable::zeroed()
         };
         for (to, Part { shape, origin, body }) in uniform.layers.iter_mut().zip(&world.layers) {
             *to = PlacedLayerUniform { layer: shape.uniform, origin: *origin, body: *body };
         }
-        let slots = slots_of(&bricks);
+        let among = slots_of(&bricks);
         for ((to, part), first) in uniform.volumes.iter_mut().zip(&world.volumes).zip(firsts) {
-            let volume = part.shape.uniform.in_atlas(slots, first);
+            let volume = part.shape.uniform.in_atlas(among, first);
             *to = PlacedVolumeUniform { volume, origin: part.origin, body: part.body };
+        }
+        let meshes: Vec<_> = world.meshes.iter().map(|part| &part.shape).collect();
+        let stored: Vec<_> = meshes.iter().map(|mesh| mesh.depths.stored.len()).collect();
+        let all = slots(stored.iter().sum());
+        let mut before = 0;
+        for ((to, Part { shape, origin, body }), stored) in
+            uniform.meshes.iter_mut().zip(&world.meshes).zip(&stored)
+        {
+            let first = entries.len() as u32;
+            let entry = |&entry: &u32| if entry >= STORED { entry + before } else { entry };
+            entries.extend(shape.depths.index.iter().map(entry));
+            before += *stored as u32;
+            let (slots, texel) = ([all.x, all.y], texel_of(all));
+            let volume = DepthVolumeUniform { core: shape.extinction, slots, texel, ..shape.uniform };
+            *to = PlacedMeshUniform { volume, origin: *origin, body: *body, first, padding: [0; 3] };
         }
         let tiles: Vec<_> = world.layers.iter().map(|part| &*part.shape.tile).collect();
         Self {
-            uniform: gpu::uniform_buffer(device, "layers and volumes", &uniform),
+            uniform: gpu::uniform_buffer(device, "layers, meshes and volumes", &uniform),
             fields: fields_view(gpu, &tiles),
             index: index_texture(gpu, &entries),
             atlas: atlas(device, queue, &bricks),
+            depths: depth_atlas(gpu, &meshes),
         }
     }
+}
+
+/// The bricks of all meshes.
+fn depth_atlas(gpu: &Gpu, meshes: &[&MeshShape]) -> wgpu::TextureView {
+    let numbers = |mesh: &&MeshShape| 0..mesh.depths.stored.len();
+    let all: Vec<_> = meshes.iter().flat_map(|mesh| numbers(mesh).map(move |i| (*mesh, i))).collect();
+    let texels = |i: usize| all[i].0.texels(all[i].1);
+    fill_atlas(&gpu.device, &gpu.queue, wgpu::TextureFormat::Rgba16Float, all.len(), texels)
 }
 
 /// All fields; where there are none, a texel that nobody reads.

@@ -1,6 +1,6 @@
 //! What is there: shape, noise and particles of a cloud, in the cloud's own frame. Preview, light,
 //! truth and exports ask modules of `shaders/medium`: all of them the ellipsoids, and preview and light of
-//! large heaps the volume of depths that is baked from those.
+//! large heaps the volume of depths that is baked from those. Of meshes all ask such a volume.
 
 mod atlas;
 mod body;
@@ -9,6 +9,7 @@ mod depth_volume;
 mod ellipsoids;
 mod layer;
 mod layer_tile;
+mod mesh;
 mod mixed;
 mod mixture;
 mod noise;
@@ -34,11 +35,13 @@ pub(crate) use layer::{LAYER, LayerShape, LayerUniform};
 #[cfg(test)]
 pub(crate) use layer_tile::SQUARES;
 pub(crate) use layer_tile::{Tile, TileTextures};
+pub(crate) use mesh::MeshShape;
 pub use mixed::MIXED;
 use mixed::Mixed;
 #[cfg(test)]
 pub(crate) use mixed::{
-    MOST_LAYERS, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedVolumeUniform, ROW as MIXED_ROW,
+    MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedMeshUniform,
+    PlacedVolumeUniform, ROW as MIXED_ROW,
 };
 #[cfg(test)]
 pub(crate) use noise::FINE;
@@ -97,6 +100,8 @@ pub(crate) struct Medium {
     pub body: BodyUniform,
     /// Its shape where it is a layer, and so has no ellipsoids.
     pub layer: Option<LayerShape>,
+    /// Its shape where a mesh is its boundary: its ellipsoids hold that, and are not seen.
+    pub mesh: Option<MeshShape>,
     /// Its shape where it is a volume: its ellipsoids hold that, and are not seen.
     pub volume: Option<VolumeShape>,
     /// Its noise, the size of whose largest features is `scale`, m, as seen from `origin`.
@@ -112,6 +117,7 @@ impl PartialEq for Medium {
     fn eq(&self, other: &Self) -> bool {
         self.fingerprint == other.fingerprint
             && self.layer == other.layer
+            && self.mesh == other.mesh
             && self.volume == other.volume
             && self.species == other.species
     }
@@ -138,6 +144,7 @@ impl Medium {
             centers: ellipsoids.map(|e| e.center - origin).collect(),
             body,
             layer: None,
+            mesh: None,
             volume: None,
             noise,
             scale,
@@ -183,6 +190,7 @@ impl Medium {
             centers: Vec::new(),
             body,
             layer: Some(shape),
+            mesh: None,
             volume: None,
             noise,
             scale,
@@ -216,9 +224,40 @@ impl Medium {
         Ok(medium)
     }
 
+    /// What a cloud is made of that has a mesh as its boundary, in a frame whose origin is at `origin`, where it lies in the
+    /// box of `bounds`.
+    ///
+    /// # Errors
+    /// Where it was not read, or its droplets have no phase function.
+    pub fn of_mesh(
+        cloud: &Cloud,
+        mesh: &scene::Mesh,
+        noise: &scene::Noise,
+        bounds: scene::Bounds,
+        origin: DVec3,
+    ) -> Result<Self> {
+        let shape = MeshShape::new(cloud, mesh, origin)?;
+        let mut medium = Self::new(cloud, noise, bounds, origin)?;
+        medium.ellipsoids = shape.proxies(cloud, mesh, origin);
+        medium.centers = medium.ellipsoids.iter().map(|proxy| proxy.center.as_dvec3()).collect();
+        let mut hasher = DefaultHasher::new();
+        shape.hash_into(&mut hasher);
+        medium.shape = hasher.finish();
+        hasher.write(bytemuck::bytes_of(&medium.densest()));
+        hasher.write(bytemuck::bytes_of(&medium.body));
+        medium.fingerprint = hasher.finish();
+        medium.mesh = Some(shape);
+        Ok(medium)
+    }
+
     /// Whether its ellipsoids are its shape.
     pub fn is_of_ellipsoids(&self) -> bool {
-        self.layer.is_none() && self.volume.is_none()
+        self.layer.is_none() && !self.is_held()
+    }
+
+    /// Whether its ellipsoids hold its shape and are not seen: rays find their way in that by themselves.
+    pub fn is_held(&self) -> bool {
+        self.mesh.is_some() || self.volume.is_some()
     }
 
     /// Its ellipsoids moved by `offset`, m, in body `body` of a table.
@@ -354,6 +393,7 @@ impl Common {
             texture(&mixed.index),
             texture(&mixed.atlas),
             wgpu::BindingResource::Sampler(&sampler),
+            texture(&mixed.depths),
         ];
         self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &rest)
     }

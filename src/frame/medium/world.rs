@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use super::{
-    BodyUniform, Common, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Medium, Species, VOLUME,
-    VolumeShape,
-    mixed::{MIXED, MOST_LAYERS, MOST_VOLUMES, Mixed},
+    BodyUniform, Common, DEPTH_VOLUME, ELLIPSOIDS, EllipsoidUniform, LAYER, LayerShape, Medium, MeshShape,
+    Species, VOLUME, VolumeShape,
+    mixed::{MIXED, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, Mixed},
     mixture::Fields,
     upload_noise,
 };
@@ -19,19 +19,22 @@ use crate::{
 pub(crate) struct World {
     /// Its origin: the middle of all clouds that end, or that of a layer.
     pub origin: DVec3,
-    /// Cloud after cloud; where there is nothing but a volume, what holds that.
+    /// Cloud after cloud.
     pub ellipsoids: Vec<EllipsoidUniform>,
+    /// What holds meshes and volumes, and is not seen.
+    pub holders: Vec<EllipsoidUniform>,
     /// What they are made of: each kind once.
     pub species: Vec<Shared<Species>>,
     /// The clouds.
     pub bodies: Vec<BodyUniform>,
     pub layers: Vec<Part<LayerShape>>,
+    pub meshes: Vec<Part<MeshShape>>,
     pub volumes: Vec<Part<VolumeShape>>,
     /// What the only volume is a mixture of, by body.
     pub fields: Option<Fields>,
 }
 
-/// A layer or a volume.
+/// A layer, a mesh or a volume.
 #[derive(Debug, Clone)]
 pub(crate) struct Part<T> {
     pub shape: T,
@@ -58,22 +61,27 @@ impl World {
 
     /// The clouds that end.
     pub fn without_layers(frame: &Frame) -> Self {
-        let mut ends = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none());
-        if let (Some(cloud), None) = (ends.next(), ends.next())
-            && let Some(volume) = &cloud.medium.volume
-            && frame.clouds.len() == 1
-        {
-            return Self::of_volume(cloud, volume);
-        }
         if let Some((volume, fields)) = mixture(frame) {
             return Self::of_mixture(frame, volume, fields);
         }
         let (low, high) = frame.bounds().unwrap_or_default();
-        let mut world = Self::empty(0.5 * (low + high));
+        // What is alone is in its own frame.
+        let mut ends = frame.clouds.iter().filter(|cloud| cloud.medium.layer.is_none());
+        let alone = match (ends.next(), ends.next()) {
+            (Some(cloud), None) if cloud.medium.is_held() => Some(cloud.origin),
+            _ => None,
+        };
+        let mut world = Self::empty(alone.unwrap_or(0.5 * (low + high)));
         for cloud in &frame.clouds {
+            if cloud.medium.is_held() {
+                world.holders.extend(cloud.medium.moved(cloud.origin - world.origin, 0));
+            }
             if let Some(volume) = &cloud.medium.volume {
                 let part = world.part(cloud, volume.clone());
                 world.volumes.push(part);
+            } else if let Some(mesh) = &cloud.medium.mesh {
+                let part = world.part(cloud, mesh.clone());
+                world.meshes.push(part);
             } else if cloud.medium.layer.is_none() {
                 let (offset, body) = (cloud.origin - world.origin, world.bodies.len() as u32);
                 world.ellipsoids.extend(cloud.medium.moved(offset, body));
@@ -86,16 +94,8 @@ impl World {
 
     fn empty(origin: DVec3) -> Self {
         let (ellipsoids, species, bodies) = Default::default();
-        let (layers, volumes) = Default::default();
-        Self { origin, ellipsoids, species, bodies, layers, volumes, fields: None }
-    }
-
-    fn of_volume(cloud: &CloudFrame, volume: &VolumeShape) -> Self {
-        let mut world = Self::empty(cloud.origin);
-        let part = world.part(cloud, volume.clone());
-        world.volumes.push(part);
-        world.ellipsoids.clone_from(&cloud.medium.ellipsoids);
-        world
+        let (layers, meshes, volumes, holders) = Default::default();
+        Self { origin, ellipsoids, holders, species, bodies, layers, meshes, volumes, fields: None }
     }
 
     /// Several volumes on one grid: a body each, in the frame of the first.
@@ -103,7 +103,7 @@ impl World {
         let mut world = Self::empty(frame.clouds[0].origin);
         for cloud in &frame.clouds {
             let (offset, body) = (cloud.origin - world.origin, world.bodies.len() as u32);
-            world.ellipsoids.extend(cloud.medium.moved(offset, body));
+            world.holders.extend(cloud.medium.moved(offset, body));
             let table = cloud.medium.species_among(&mut world.species);
             world.bodies.push(cloud.medium.body_at(offset, table));
         }
@@ -121,7 +121,7 @@ impl World {
         Part { shape, origin, body }
     }
 
-    /// Whether there is nothing but a layer, or nothing but a volume or a mixture.
+    /// Whether there is nothing but a layer, a mesh, a volume or a mixture.
     pub fn is_alone(&self) -> bool {
         self.bodies.len() == 1 || self.fields.is_some()
     }
@@ -129,11 +129,13 @@ impl World {
     /// Refuses frames that hold more than there is room for.
     ///
     /// # Errors
-    /// [`Error::Argument`] where there are too many layers or volumes.
+    /// [`Error::Argument`] where there are too many layers, meshes or volumes.
     pub fn check_room(&self) -> Result<()> {
-        for (count, most, what) in
-            [(self.layers.len(), MOST_LAYERS, "layers"), (self.volumes.len(), MOST_VOLUMES, "volumes")]
-        {
+        for (count, most, what) in [
+            (self.layers.len(), MOST_LAYERS, "layers"),
+            (self.meshes.len(), MOST_MESHES, "meshes"),
+            (self.volumes.len(), MOST_VOLUMES, "volumes"),
+        ] {
             if count > most {
                 return Err(Error::Argument(format!(
                     "at most {most} {what} are path traced together, and the scene shows {count}: hide some of them"
@@ -161,10 +163,11 @@ impl World {
 
     /// The module that fills the role of the medium.
     pub fn role(&self) -> Role<'static> {
-        match (self.layers.len(), self.volumes.len()) {
-            (0, 0) => ELLIPSOIDS,
-            (1, _) if self.is_alone() => LAYER,
-            (_, 1) if self.is_alone() => VOLUME,
+        match (self.layers.len(), self.meshes.len(), self.volumes.len()) {
+            (0, 0, 0) => ELLIPSOIDS,
+            (1, _, _) if self.is_alone() => LAYER,
+            (_, 1, _) if self.is_alone() => DEPTH_VOLUME,
+            (_, _, 1) if self.is_alone() => VOLUME,
             _ => MIXED,
         }
     }
@@ -173,12 +176,15 @@ impl World {
     pub fn bind(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let (device, queue) = (&gpu.device, &gpu.queue);
         let common = Common::new(device, &self.bodies, view(&upload_noise(device, queue)));
-        match (self.layers.as_slice(), self.volumes.as_slice()) {
-            ([], []) => common.bind_ellipsoids(device, layout, &self.ellipsoids),
-            ([Part { shape, .. }], _) if self.is_alone() => {
+        match (self.layers.as_slice(), self.meshes.as_slice(), self.volumes.as_slice()) {
+            ([], [], []) => common.bind_ellipsoids(device, layout, &self.ellipsoids),
+            ([Part { shape, .. }], _, _) if self.is_alone() => {
                 common.bind_layer(device, layout, &shape.uniform, &shape.tile.upload(device, queue))
             }
-            (_, [Part { shape, .. }]) if self.is_alone() => {
+            (_, [Part { shape, .. }], _) if self.is_alone() => {
+                common.bind_depths(device, layout, &shape.upload(device, queue), shape.extinction)
+            }
+            (_, _, [Part { shape, .. }]) if self.is_alone() => {
                 let textures = match &self.fields {
                     Some(fields) => fields.upload(&shape.bricks, device, queue),
                     None => shape.bricks.upload(device, queue),

@@ -11,10 +11,7 @@ use glam::{DMat3, DVec3, IVec3, Vec3};
 
 use crate::{
     Error, Result,
-    frame::{
-        Frame,
-        medium::{EllipsoidUniform, World},
-    },
+    frame::{Frame, medium::World},
     gpu::{self, ComputeProgram, Gpu},
     scene::{BLOCK_EDGE, BLOCK_VOXELS, Block},
 };
@@ -117,7 +114,7 @@ impl Voxels {
         frame.bounds().ok_or_else(empty)?;
         World::check_volumes(frame, "written as voxels")?;
         let world = World::without_layers(frame);
-        let reached = reached(&world.ellipsoids, world.origin, &grid)?;
+        let reached = reached(&world, &grid)?;
         let sampler = Sampler::new(gpu, &world, grid);
         let list: Vec<_> = reached.into_iter().collect();
         let mut blocks = Vec::new();
@@ -142,12 +139,16 @@ impl Voxels {
 /// Which ellipsoids reach into which blocks, in order of x, y, z.
 type Reached = BTreeMap<[i32; 3], Vec<u32>>;
 
-fn reached(ellipsoids: &[EllipsoidUniform], origin: DVec3, grid: &VoxelGrid) -> Result<Reached> {
+fn reached(world: &World, grid: &VoxelGrid) -> Result<Reached> {
+    let origin = world.origin;
     let volume_from_world = grid.world_from_volume.transpose();
     let width = f64::from(BLOCK_EDGE) * grid.voxel;
     let radius = (0.5 * 3f64.sqrt() * width) as f32;
     let mut reached = Reached::new();
-    for (i, e) in ellipsoids.iter().enumerate() {
+    // What holds others is not asked.
+    let holders = world.holders.iter().map(|e| (e, None));
+    let asked = (0u32..).zip(&world.ellipsoids).map(|(i, e)| (e, Some(i)));
+    for (e, own) in asked.chain(holders) {
         let center = volume_from_world * (origin + e.center.as_dvec3());
         let axes = grid.world_from_volume.to_cols_array_2d().map(|axis| DVec3::from(axis).as_vec3());
         let half = DVec3::from(axes.map(|axis| f64::from(e.support(axis))));
@@ -164,7 +165,7 @@ fn reached(ellipsoids: &[EllipsoidUniform], origin: DVec3, grid: &VoxelGrid) -> 
                 for z in first.z..=last.z {
                     let middle = (grid.middle(IVec3::new(x, y, z)) - origin).as_vec3();
                     if e.reaches(middle, radius) {
-                        reached.entry([x, y, z]).or_default().push(i as u32);
+                        reached.entry([x, y, z]).or_default().extend(own);
                     }
                 }
             }

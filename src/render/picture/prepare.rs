@@ -60,8 +60,8 @@ fn cover(parts: &Parts, frame: &Frame, cloud: &CloudFrame, baked: bool) -> Cover
         let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
         return Cover::of_layer(&frame.camera, eye, layer, bend);
     }
-    // The index of a volume tells rays where something is.
-    let baked = baked || medium.volume.is_some();
+    // The index of a mesh or a volume tells rays where something is.
+    let baked = baked || medium.is_held();
     let many = if baked { usize::MAX } else { MANY };
     let half = medium.is_of_ellipsoids().then(|| cloud.half.as_vec3());
     let mut cover = Cover::new(parts, &Seen { eye, ellipsoids: &medium.ellipsoids, half, many });

@@ -78,6 +78,9 @@ impl Object {
                 if let Some(volume) = &mut cloud.volume {
                     volume.orientation = unit(volume.orientation);
                 }
+                if let Some(mesh) = &mut cloud.mesh {
+                    mesh.orientation = unit(mesh.orientation);
+                }
                 Self::Cloud(*i, cloud)
             }
             Self::Ellipsoid(i, j, _) => {
@@ -99,10 +102,14 @@ impl Object {
                 let old = &mut scene.clouds[i];
                 let grows_otherwise = old.growth != shell.growth;
                 let (ellipsoids, volume) = (std::mem::take(&mut old.ellipsoids), old.volume.take());
+                let mesh = old.mesh.take();
                 let map = old.layer.take().and_then(|layer| layer.map);
                 *old = Cloud { ellipsoids, ..*shell };
                 if let (Some(new), Some(old)) = (&mut old.volume, &volume) {
                     new.take_grid_of(old);
+                }
+                if let (Some(new), Some(old)) = (&mut old.mesh, &mesh) {
+                    new.take_surface_of(old);
                 }
                 let new = old.layer.as_mut().and_then(|layer| layer.map.as_mut());
                 if let (Some(new), Some(old)) = (new, &map) {
@@ -251,6 +258,7 @@ fn shell(cloud: &Cloud) -> Cloud {
         growth: cloud.growth.clone(),
         ellipsoids: Vec::new(),
         layer: cloud.layer.clone(),
+        mesh: cloud.mesh.clone(),
         volume: cloud.volume.clone(),
         droplets: cloud.droplets.clone(),
         edge: cloud.edge.clone(),

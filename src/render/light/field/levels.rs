@@ -3,7 +3,7 @@
 use glam::{UVec3, Vec3, Vec4};
 
 use crate::{
-    frame::medium::{EllipsoidUniform, Medium},
+    frame::medium::{EllipsoidUniform, Medium, MeshShape},
     gpu::{self, Made},
 };
 
@@ -46,6 +46,7 @@ impl FieldBox {
         }
         let (low, high) = EllipsoidUniform::bounds(&medium.ellipsoids);
         let (low, high) = medium.volume.as_ref().map_or((low, high), |volume| volume.clip(low, high));
+        let (low, high) = medium.mesh.as_ref().map_or((low, high), MeshShape::bounds);
         Self { low, extent: (high - low).max(Vec3::splat(1e-3)), repeats: false }
     }
 
