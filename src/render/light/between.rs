@@ -404,7 +404,7 @@ mod tests {
     /// Flux through a level plane of light by level.
     fn flux(light: DVec3) -> f64 {
         let [mu, weight] = hemisphere();
-        (0..HALF).map(|i| std::f64::consts::TAU * weight[i] * mu[i] * light[i]).sum()
+        (0..HALF).map(|i| TAU * weight[i] * mu[i] * light[i]).sum()
     }
 
     #[test]
