@@ -178,11 +178,11 @@ fn vertices(
         let is_vertex = element.name == "vertex";
         let axes = ["x", "y", "z"].map(place);
         let radius = RADII.iter().find_map(|name| place(name));
-        if is_vertex && (axes.contains(&None) || element.count > MOST) {
-            return Err(format!(
-                "has {} vertices without x, y and z, or more than {MOST}: export points",
-                element.count
-            ));
+        if is_vertex && element.count > MOST {
+            return Err(format!("has {} vertices, more than {MOST}: thin them out", element.count));
+        }
+        if is_vertex && axes.contains(&None) {
+            return Err(format!("has {} vertices without x, y and z: export points", element.count));
         }
         let mut points = Vec::new();
         for _ in 0..if element.properties.is_empty() { 0 } else { element.count } {

@@ -136,20 +136,25 @@ impl Body {
         2.0 / along.dot(self.inverse * along).sqrt()
     }
 
-    /// Where a ray from `from` along a unit vector meets it ahead; none from within.
-    fn meet(&self, from: DVec3, along: DVec3) -> Option<Meeting> {
+    /// Distances at which the line through `from` along a unit vector enters and leaves it, m.
+    fn ends(&self, from: DVec3, along: DVec3) -> Option<[f64; 2]> {
         let from = from - self.middle;
         let (through, slope) = (self.inverse * along, self.inverse * from);
         let (a, b, c) = (along.dot(through), along.dot(slope), from.dot(slope) - 1.0);
         let square = b * b - a * c;
-        let enters = (-b - square.max(0.0).sqrt()) / a;
-        (square > 0.0 && enters > 0.0).then(|| Meeting { enters, chord: 2.0 * square.sqrt() / a })
+        (square > 0.0).then(|| [-1.0, 1.0].map(|side| (-b + side * square.sqrt()) / a))
+    }
+
+    /// Where a ray meets it ahead; none from within.
+    fn meet(&self, from: DVec3, along: DVec3) -> Option<Meeting> {
+        let [enters, leaves] = self.ends(from, along).filter(|[enters, _]| *enters > 0.0)?;
+        Some(Meeting { enters, chord: leaves - enters })
     }
 
     /// Optical depth of what a ray from `from` has of it ahead.
     fn depth(&self, from: DVec3, along: DVec3) -> f64 {
-        let back = self.meet(from, along).map_or(0.0, |meeting| meeting.chord);
-        self.extinction * back
+        self.ends(from, along)
+            .map_or(0.0, |[enters, leaves]| self.extinction * (leaves - enters.max(0.0)).max(0.0))
     }
 
     /// Unit vector out of its surface at a point, m.
@@ -159,16 +164,21 @@ impl Body {
 
     /// Points in it, m, the same every time.
     fn points(&self) -> Vec<DVec3> {
-        let half = 0.5 * DVec3::new(self.box_width(0), self.box_width(1), self.box_width(2));
-        let inside = |p: &DVec3| p.dot(self.inverse * *p) < 1.0;
-        let tried = (1..).map(|i| half * (2.0 * halton(i) - 1.0)).filter(inside);
-        tried.take(SIDE * SIDE).map(|p| self.middle + p).collect()
+        let from_ball = lower_root(self.inverse.inverse());
+        let ball = (1..).map(|i| 2.0 * halton(i) - 1.0).filter(|p| p.length_squared() < 1.0);
+        ball.take(SIDE * SIDE).map(|p| self.middle + from_ball * p).collect()
     }
+}
 
-    /// Width of the box around it along an axis, m.
-    fn box_width(&self, axis: usize) -> f64 {
-        2.0 * self.inverse.inverse().col(axis)[axis].sqrt()
-    }
+/// The lower triangle L whose L times its transpose is a symmetric positive matrix (Cholesky).
+fn lower_root(m: DMat3) -> DMat3 {
+    let [x, y, z] = m.to_cols_array_2d();
+    let a = x[0].sqrt();
+    let (b, c) = (x[1] / a, x[2] / a);
+    let d = (y[1] - b * b).max(0.0).sqrt();
+    let e = if d > 0.0 { (y[2] - b * c) / d } else { 0.0 };
+    let f = (z[2] - c * c - e * e).max(0.0).sqrt();
+    DMat3::from_cols(DVec3::new(a, b, c), DVec3::new(0.0, d, e), DVec3::new(0.0, 0.0, f))
 }
 
 /// A point of the unit cube: any number of them fill it evenly (Halton 1960).
@@ -399,7 +409,22 @@ mod tests {
             assert!((meeting.enters - (1000.0 - radius)).abs() < 0.01);
             assert!((body.facing(radius * axis) - axis).length() < 1e-5);
         }
-        assert!(body.points().iter().all(|p| p.dot(body.inverse * *p) < 1.0));
+        let points = body.points();
+        assert!(points.iter().all(|p| p.dot(body.inverse * *p) < 1.0));
+        assert!(points.iter().any(|p| p.x > 200.0) && points.iter().any(|p| p.y < -60.0));
+        // From within, only what is ahead.
+        assert!(
+            (body.depth(DVec3::ZERO, DVec3::X) / body.depth(-500.0 * DVec3::X, DVec3::X) - 0.5).abs() < 1e-6
+        );
+        assert_eq!(body.depth(500.0 * DVec3::X, DVec3::X), 0.0);
+    }
+
+    #[test]
+    fn a_needle_across_all_axes_is_full_of_points() {
+        let needle = r#"{"edge": {"boundary": 0}, "ellipsoids": [{"center": [0, 9000, 0], "radii": [5000, 0.5, 0.5],
+            "orientation": [0.5, 0.5, 0.1, 0.7]}]}"#;
+        let body = Body::of(&frame(&[needle.to_owned()]).clouds[0]).unwrap();
+        assert!(body.points().iter().all(|p| (p - body.middle).dot(body.inverse * (p - body.middle)) < 1.01));
     }
 
     #[test]
