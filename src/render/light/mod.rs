@@ -2,8 +2,6 @@
 //! in each cloud's own frame and redone only when the sun, the shape or the noise changed.
 
 mod around;
-mod between;
-mod bodies;
 mod boxes;
 mod bricks;
 mod field;

@@ -158,9 +158,14 @@ impl FieldPass {
         (known_sun, known_sky): (Option<SolvedLight>, Option<SolvedLight>),
         count: &mut dyn FnMut(),
     ) -> Field {
+        // Told at most once, for both lights.
+        let mut told: Option<Told> = None;
         let mut solve = |lights, cells| {
             count();
-            self.solve(encoder, inputs, media, key, cells, sun, lights)
+            if told.is_none() && !key.around.is_nothing() {
+                told = Some(key.around.told(inputs.to_sun));
+            }
+            self.solve(encoder, inputs, media, key, (told.as_ref(), cells), sun, lights)
         };
         let sun = known_sun.unwrap_or_else(|| solve(Lights::Sun, key.cells));
         let sky = sky.map(|key| known_sky.unwrap_or_else(|| solve(Lights::Sky, key.cells)));
@@ -168,14 +173,14 @@ impl FieldPass {
     }
 
     #[allow(clippy::too_many_arguments, reason = "where, what, and on how many cells")]
-    /// Solves for `lights` in a medium, `most` cells along its longest axis.
+    /// Solves for `lights` in a medium, `most` cells along its longest axis, among what is `told` of its surroundings.
     fn solve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         media: &Media,
-        FieldKey { medium, flash, around, .. }: &FieldKey,
-        most: u32,
+        FieldKey { medium, flash, .. }: &FieldKey,
+        (told, most): (Option<&Told>, u32),
         (sun, sun_volume): (&BoxKey, &TextureView),
         lights: Lights,
     ) -> SolvedLight {
@@ -189,13 +194,12 @@ impl FieldPass {
             .entry(kind)
             .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[kind.role()], &[]));
         let none = vec![0.0f32; 3 * DIRECTIONS];
-        let told = (!around.is_nothing()).then(|| around.told(inputs.to_sun));
         let entered = if lights == Lights::Sky { self.entered(inputs) } else { None };
         let enters = lights == Lights::Sky && entered.is_none();
         let entering = entered.unwrap_or_else(|| {
             // Of a ball within all of its light counts, and none comes from outside.
             let all = if flash.w > 0.0 { 1.0 } else { 0.0 };
-            let scattered = told.as_ref().filter(|_| lights == Lights::Sun).map(Told::sunlight);
+            let scattered = told.filter(|_| lights == Lights::Sun).map(Told::sunlight);
             gpu::storage_buffer(device, "entering light", &scattered.unwrap_or(vec![all; 6 * DIRECTIONS]))
         });
         if enters {

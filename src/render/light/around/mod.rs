@@ -1,13 +1,17 @@
 //! All that stands around a cloud and changes the diffuse light that comes to it: layers above and below, other clouds beside.
 
+mod beside;
+mod between;
+mod body;
+mod slab;
+
 use glam::{DVec3, Vec4};
 
-use super::{
-    between::{Between, LEVELS, Strata},
-    bodies::{Beside, Bodies, FromBeside},
-    field::{DIRECTIONS, levels},
-};
+use super::field::{DIRECTIONS, levels};
 use crate::frame::{CloudFrame, Frame};
+use beside::{Beside, Bodies, FromBeside};
+use between::{Between, Strata};
+use slab::LEVELS;
 
 /// Directions by four.
 const FOURS: usize = DIRECTIONS / 4;
