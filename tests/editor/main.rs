@@ -6,6 +6,7 @@ mod desk;
 mod document;
 mod inputs;
 mod patience;
+mod pictures;
 mod timeline;
 mod viewport;
 mod window;
