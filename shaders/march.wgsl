@@ -2,7 +2,8 @@
 // Quads cover the tiles that the cloud can touch; each tile lists what its rays can meet. The
 // medium cuts a ray into stretches: clear ones are jumped over, homogeneous ones are integrated in
 // closed form, the rest is sampled (`steps`). What is seen is gathered in pieces and lit (`gather`).
-// @use atmosphere camera counts random ray_seen steps medium light
+// Where clouds pass through one another each sees what the others hide (`crossings`).
+// @use atmosphere camera counts crossings random ray_seen steps medium light
 
 // Discs beside the sun's.
 const MOST_MOONS: u32 = 4u;
@@ -45,7 +46,9 @@ struct Tile {
     // Where the tile's ellipsoids begin in `candidates`, and how many there are.
     first: u32,
     count: u32,
-    padding: vec2u,
+    // Where clouds cross here: its block among the visibilities, and where the list of the others is in `candidates`.
+    block: u32,
+    others: u32,
 }
 
 override ATMOSPHERE: bool = true;
@@ -96,6 +99,8 @@ struct Varyings {
     @location(4) @interpolate(flat) sky: vec3f,
     @location(5) @interpolate(flat) horizon: vec3f,
     @location(6) @interpolate(flat) ground: vec3f,
+    @location(7) @interpolate(flat) block: u32,
+    @location(8) @interpolate(flat) others: u32,
 }
 
 fn sun_at(altitude: f32) -> vec3f {
@@ -112,7 +117,7 @@ fn quad(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u
     let pixel = vec2f(select(tile.area.xy, tile.area.zw, corner == vec2u(1u)));
     return Varyings(vec4f(pixel_ndc(camera, pixel), 0.0, 1.0), tile.first, tile.count,
         sun_at(cloud.base), sun_at(cloud.top), light_of_sky(sky_light, LIGHT_ABOVE),
-        light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND));
+        light_of_sky(sky_light, LIGHT_HORIZON), light_of_sky(sky_light, LIGHT_GROUND), tile.block, tile.others);
 }
 
 // Distance along the ray of what hides the rest of it: the ground, or what the caller drew in this pixel.
@@ -132,6 +137,8 @@ fn drawn_distance(pixel: vec2f, ray: LightRay) -> f32 {
 // A pixel's light, premultiplied by opacity.
 struct Shade {
     alpha: f32,
+    // What is seen of the cloud: its own opacity where it is alone.
+    visible: f32,
     // Of the sun, scattered once and more often, and of sky and ground.
     single: vec3f,
     multiple: vec3f,
@@ -151,29 +158,55 @@ fn is_before_disc(direction: vec3f) -> bool {
     return before;
 }
 
+// The ray through a pixel.
+fn ray_of(v: Varyings, pixel: vec2f) -> LightRay {
+    let seen = camera_ray(camera, pixel_ndc(camera, pixel));
+    return LightRay(cloud.camera + seen.origin, seen.direction, cloud.to_sun, Region(v.first, v.count), medium_species(0u),
+        cloud.curvature * (1.0 - seen.direction.y * seen.direction.y));
+}
+
+// The march of a ray that is as good as opaque where less than `opaque` gets through.
+fn march_of(ray: LightRay, pixel: vec2f, opaque: f32) -> March {
+    let offset = mix(1.0, interleaved_gradient(pixel), camera.jitter);
+    return march(ray, drawn_distance(pixel, ray), max(offset, 0.05), opaque);
+}
+
+fn opaque_of(ray: LightRay) -> f32 {
+    return opaque_ahead(opaque_before(cloud.opaque, light_glare(ray)), light_ahead(ray.species));
+}
+
+fn alpha_of(ray: LightRay, seen: RaySeen) -> f32 {
+    return ray_alpha(seen, light_transported(ray.species), PEAK && is_before_disc(ray.direction));
+}
+
 fn shade(v: Varyings) -> Shade {
     count(RAYS, 1u);
-    let seen_from_camera = camera_ray(camera, pixel_ndc(camera, v.position.xy));
-    let ray = LightRay(cloud.camera + seen_from_camera.origin, seen_from_camera.direction, cloud.to_sun,
-        Region(v.first, v.count), medium_species(0u),
-        cloud.curvature * (1.0 - seen_from_camera.direction.y * seen_from_camera.direction.y));
-    let offset = mix(1.0, interleaved_gradient(v.position.xy), camera.jitter);
-    let species = ray.species;
-    let opaque = opaque_ahead(opaque_before(cloud.opaque, light_glare(ray)), light_ahead(species));
-    let m = march(ray, drawn_distance(v.position.xy, ray), max(offset, 0.05), opaque);
+    if CROSSES {
+        crossing_begins(v.others, v.position.xy);
+    }
+    let ray = ray_of(v, v.position.xy);
+    let opaque = opaque_of(ray);
+    let m = march_of(ray, v.position.xy, opaque);
     if m.transmittance >= 1.0 {
-        return Shade();
+        var nothing = Shade();
+        nothing.alpha = crossing_alpha(0.0);
+        return nothing;
     }
     count(HITS, 1u);
-    let seen = ray_seen(m.transmittance, m.optical_depth, opaque);
-    let alpha = ray_alpha(seen, light_transported(species), PEAK && is_before_disc(ray.direction));
+    var visible = 1.0;
+    if CROSSES {
+        visible = max(m.visible / m.gathered, 1e-6);
+    }
+    let seen = ray_seen(m.transmittance, m.optical_depth, opaque, visible);
+    let own = alpha_of(ray, seen);
+    let alpha = crossing_alpha(own);
     let distance = ray_mean(m.distance, seen);
     let height = ray_height(m.height, cloud.top - cloud.base, seen);
     let normal = seen.share * m.normal;
     let lights = Lights(mix(v.sun_base, v.sun_top, height), v.sky, v.horizon, v.ground);
     let light = light_ray(m.light, ray, seen, lights);
     if !AERIAL {
-        return Shade(alpha, light.single, light.multiple, light.ambient, vec3f(0.0), distance, normal);
+        return Shade(alpha, own * visible, light.single, light.multiple, light.ambient, vec3f(0.0), distance, normal);
     }
     let uv = v.position.xy / camera.size;
     let air = aerial_perspective(aerial, clamped, uv, distance, cloud.aerial_range);
@@ -184,8 +217,8 @@ fn shade(v: Varyings) -> Shade {
     if AIR_SHADED {
         shining = max(shining - aerial_perspective(air_shadow, clamped, uv, distance, cloud.shadow_range).rgb, vec3f(0.0));
     }
-    return Shade(alpha, light.single * air.a, light.multiple * air.a, light.ambient * air.a,
-        alpha * cloud.sun_irradiance * shining, distance, normal);
+    return Shade(alpha, own * visible, light.single * air.a, light.multiple * air.a, light.ambient * air.a,
+        own * visible * cloud.sun_irradiance * shining, distance, normal);
 }
 
 // Largest value of a half float.
@@ -207,8 +240,22 @@ struct LightLayers {
     @location(3) air: vec4f,
 }
 
+// How far a ray sees, for clouds that pass through this one. Nothing is drawn.
+@fragment
+fn visibility(v: Varyings) {
+    count(RAYS, 1u);
+    let ray = ray_of(v, v.position.xy);
+    let opaque = opaque_of(ray);
+    let m = march_of(ray, v.position.xy, opaque);
+    store_counts();
+    if m.transmittance < 1.0 {
+        let opacity = alpha_of(ray, ray_seen(m.transmittance, m.optical_depth, opaque, 1.0));
+        keep_visibility(v.block, vec2u(v.position.xy), visibility_marked(opacity));
+    }
+}
+
 // What is where: which way the cloud faces, its distance in kilometres, so that half floats hold it, and the same of
-// this cloud alone with its opacity. Of what goes into two channels alpha is there to be blended by.
+// this cloud alone with its opacity, of which another that passes through it may hide some. Of what goes into two channels alpha is there to be blended by.
 struct Places {
     @location(0) normal: vec4f,
     @location(1) distance: vec4f,
@@ -232,8 +279,8 @@ fn light_layers(s: Shade) -> LightLayers {
 }
 
 fn places_of(s: Shade) -> Places {
-    let away = 1e-3 * s.distance * s.alpha;
-    return Places(vec4f(s.normal, s.alpha), vec4f(vec3f(away), s.alpha), vec4f(away, s.alpha, 0.0, s.alpha));
+    let away = 1e-3 * s.distance * s.visible;
+    return Places(vec4f(s.normal, s.alpha), vec4f(vec3f(away), s.alpha), vec4f(away, s.visible, 0.0, s.visible));
 }
 
 // Light apart, for compositors.

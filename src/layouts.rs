@@ -150,7 +150,7 @@ fn structs_of_rust_and_shaders_agree() {
             layout!(DepthVolumeUniform: low, brick, size, core, texel, boundary, slots, power, reach),
         ),
         ("depth_bake", "Brick", layout!(BrickUniform: place, first, count)),
-        ("march", "Tile", layout!(Tile: area, first, count)),
+        ("march", "Tile", layout!(Tile: area, first, count, block, others)),
         ("compose", "Compose", layout!(ComposeUniform: exposure, curve)),
         ("voxels", "Voxels", layout!(VoxelsUniform: edge_x, samples, edge_y, blocks, edge_z)),
         ("voxels", "Block", layout!(BlockUniform: corner, first, count)),

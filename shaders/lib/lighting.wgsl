@@ -25,7 +25,7 @@ struct LitPiece {
     after: vec2f,
     // Its own optical depth.
     optical_depth: f32,
-    // What is seen of it, and of all that was before it.
+    // What is seen of it, and of all that was before it, past other clouds that pass through this one.
     seen: f32,
     gathered: f32,
 }
@@ -46,6 +46,8 @@ struct RaySeen {
     optical_depth: f32,
     // Factor on all that was gathered, where the ray ended early.
     share: f32,
+    // What of it other clouds that pass through this one let through.
+    visible: f32,
 }
 
 // The lights outside: irradiance of the sun across its beam at the height of what is seen,

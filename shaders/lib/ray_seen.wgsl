@@ -19,10 +19,10 @@ fn opaque_ahead(opaque: f32, ahead: f32) -> f32 {
 
 // A ray that is as good as opaque is: nothing gets through, and the little light that was not
 // gathered is like what was.
-fn ray_seen(transmittance: f32, optical_depth: f32, opaque: f32) -> RaySeen {
+fn ray_seen(transmittance: f32, optical_depth: f32, opaque: f32, visible: f32) -> RaySeen {
     let closed = transmittance < opaque;
     return RaySeen(select(1.0 - transmittance, 1.0, closed), select(optical_depth, 1e4, closed),
-        select(1.0, 1.0 / (1.0 - transmittance), closed));
+        select(1.0, 1.0 / (1.0 - transmittance), closed), visible);
 }
 
 // How much more of a ray is opaque to diffuse light, that comes from all sides, than to light that may go
@@ -45,13 +45,13 @@ fn sees_disc(d: vec3f, to_sun: vec3f, radius: f32, pixel: f32) -> bool {
 
 // Mean over what is seen, of a sum that what is seen weighs.
 fn ray_mean(sum: f32, seen: RaySeen) -> f32 {
-    return sum * seen.share / seen.opacity;
+    return sum * seen.share / (seen.opacity * seen.visible);
 }
 
 // Where between base and top of a cloud a ray sees it on average, from 0 to 1: `sum` is of heights from
 // the cloud's middle, weighted by what is seen, and `extent` from base to top, m.
 fn ray_height(sum: f32, extent: f32, seen: RaySeen) -> f32 {
-    return saturate(0.5 + sum * seen.share / (seen.opacity * max(extent, 1.0)));
+    return saturate(0.5 + ray_mean(sum, seen) / max(extent, 1.0));
 }
 
 // Nodes share the opacity of a ray evenly: the number of that to which a piece belongs of which this

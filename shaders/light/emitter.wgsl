@@ -16,6 +16,6 @@ fn light_ray(sum: LightSum, ray: LightRay, seen: RaySeen, lights: Lights) -> Ray
     if SKY_LIGHT {
         outside = mean_of_sky(lights);
     }
-    return RayLight(vec3f(0.0), emitted(ray.species, seen.opacity, mean_of_sun(lights)),
-        emitted(ray.species, seen.opacity, outside));
+    return RayLight(vec3f(0.0), emitted(ray.species, seen.opacity * seen.visible, mean_of_sun(lights)),
+        emitted(ray.species, seen.opacity * seen.visible, outside));
 }

@@ -1,6 +1,6 @@
 // What is seen along a ray, gathered in pieces that are lit at once and at nodes, where light is that
 // changes slowly.
-// @use lighting ray_seen shade
+// @use crossings lighting ray_seen shade
 
 // Whether light is gathered, and facing.
 override LIT: bool = true;
@@ -13,8 +13,9 @@ struct March {
     transmittance: f32,
     // Full optical depth, peak included.
     optical_depth: f32,
-    // Sum of all that is seen so far.
+    // Sum of all that is seen so far, and of that past other clouds.
     gathered: f32,
+    visible: f32,
     // Distance, height and facing, weighted by what is seen.
     distance: f32,
     height: f32,
@@ -27,24 +28,26 @@ var<private> nodes: array<Node, MOST_NODES>;
 
 // Lights a piece; `after` is the optical depth to the sun where it ends.
 fn add_light(m: ptr<function, March>, ray: LightRay, piece: Piece, after: vec2f) {
-    let seen = piece.seen;
-    let t = piece.distance / seen;
+    let t = piece.distance / piece.seen;
     let p = light_ray_at(ray, t);
-    (*m).distance += piece.distance;
+    let through = crossing_through(t);
+    let seen = through * piece.seen;
+    (*m).distance += through * piece.distance;
     (*m).height += seen * p.y;
     if light_reads_nodes() {
-        add_node(t, 0.5 * (piece.sun + after), (*m).gathered, seen);
+        add_node(t, 0.5 * (piece.sun + after), (*m).gathered, piece.seen, seen);
     }
-    (*m).light = light_piece((*m).light, LitPiece(t, piece.sun, after, piece.optical_depth, seen, (*m).gathered));
-    (*m).gathered += seen;
+    (*m).light = light_piece((*m).light, LitPiece(t, piece.sun, after, piece.optical_depth, seen, (*m).visible));
+    (*m).gathered += piece.seen;
+    (*m).visible += seen;
     if NORMALS {
         (*m).normal += seen * medium_facing(ray.region, p);
     }
 }
 
 // Nodes share the opacity of the ray evenly; each lies where half of its share is gathered.
-fn add_node(t: f32, depth: vec2f, gathered: f32, seen: f32) {
-    let node = node_of(gathered, seen, LIGHT_NODES);
+fn add_node(t: f32, depth: vec2f, gathered: f32, share: f32, seen: f32) {
+    let node = node_of(gathered, share, LIGHT_NODES);
     if nodes[node].seen == 0.0 || node_begins(gathered, node, LIGHT_NODES) {
         nodes[node].t = t;
         nodes[node].depth = depth;

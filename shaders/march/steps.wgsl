@@ -1,7 +1,9 @@
 // The way of a ray through the medium, stretch by stretch and step by step.
-// @use camera counts gather ray_seen ray_step
+// @use camera counts crossings gather ray_seen ray_step
 
 override MAX_STEPS: u32 = 512u;
+// Whether how far the ray sees is all that is wanted of it.
+override VISIBILITY: bool = false;
 
 // Rounds for jumps and for the last stretches, beyond the steps that a ray should take.
 const SPARE_STEPS: u32 = 256u;
@@ -13,7 +15,7 @@ fn kept_of(body: u32) -> f32 {
 }
 
 fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
-    var m = March(1.0, 0.0, 0.0, 0.0, 0.0, vec3f(0.0), light_begin(ray));
+    var m = March(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, vec3f(0.0), light_begin(ray));
     var t = 0.0;
     medium_begin(ray.region, ray.origin, ray.direction, ray.bend);
     var stretch = Stretch(0.0, false, 0.0, 0.0, 0u);
@@ -55,10 +57,16 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
         let seen = m.transmittance * (1.0 - through);
         // Light what came before, where it is enough or has ended.
         if optical_depth > 0.0 {
-            if t > piece.end || piece.seen > cloud.lit_at_once {
-                piece = next_piece(&m, ray, piece, t);
+            if VISIBILITY {
+                let share = light_transported(ray.species);
+                let before = step_through(share, m.optical_depth);
+                mark(t, length, before, before * step_through(share, optical_depth));
+            } else {
+                if t > piece.end || piece.seen > cloud.lit_at_once {
+                    piece = next_piece(&m, ray, piece, t);
+                }
+                piece = piece_with(piece, t, length, kept * optical_depth, seen);
             }
-            piece = piece_with(piece, t, length, kept * optical_depth, seen);
         }
         m.transmittance *= through;
         m.optical_depth += optical_depth;
@@ -72,7 +80,9 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
             break;
         }
     }
-    _ = next_piece(&m, ray, piece, piece.end);
+    if !VISIBILITY {
+        _ = next_piece(&m, ray, piece, piece.end);
+    }
     if light_reads_nodes() && LIT {
         light_nodes(&m, ray);
     }

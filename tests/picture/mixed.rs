@@ -1,12 +1,13 @@
-//! Clouds of ellipsoids, layers and volumes in one scene: path traced together, and in each other's shadow.
+//! Clouds of ellipsoids, layers and volumes in one scene: path traced together, in each other's shadow, and through one
+//! another.
 #![cfg(all(feature = "export", feature = "import"))]
 
 use crate::common;
 
-use common::truth::{assert_agree, mean, opacity, trace};
+use common::truth::{EXTINCTION_PER_CM3, assert_agree, mean, opacity, trace};
 use common::{
     gpu,
-    picture::{renderer, scene},
+    picture::{draw, renderer, scene},
 };
 use nephos::{
     export::Picture,
@@ -179,6 +180,71 @@ fn a_cloud_has_the_light_that_others_scatter_to_it() {
         [[-500.0, 1000.0, -100.0], [500.0, 1000.0, -300.0], [-100.0, 1450.0, 0.0], [-440.0, 1000.0, 0.0]];
     let others = others.map(|center| ball(center, 280.0, 40.0));
     assert_true_beside(at, &cloud, &others, [0.05, 0.1]);
+}
+
+/// Mean of green and opacity of a picture of `scene`.
+fn drawn(transport: Transport, scene: &Scene) -> [f64; 2] {
+    let pixels = draw(&mut renderer(Quality::FINAL, transport), scene, [6, 6], false).pixels;
+    [1, 3].map(|i| pixels.iter().map(|pixel| f64::from(pixel[i])).sum::<f64>() / pixels.len() as f64)
+}
+
+#[test]
+fn clouds_that_pass_through_one_another_hide_each_other_place_by_place() {
+    // Glowing balls on a line of sight, of optical depths 1 and 2, half of each in half of the other, the second half as
+    // bright.
+    let per_cm3 = |depth: f64| depth / 200.0 / EXTINCTION_PER_CM3;
+    let one = ball([-50.0, 0.0, 0.0], 100.0, per_cm3(1.0));
+    let other =
+        ball([50.0, 0.0, 0.0], 100.0, per_cm3(2.0)).replace("isotropic\",", "isotropic\", \"albedo\": 0.5,");
+    let at = |clouds: &str| seen(clouds, [-900.0, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0, 50.0);
+    let through = |depth: f64| (-depth).exp();
+    // What is seen of each: alone, in the other, and behind it.
+    let both = through(0.5) * (1.0 - through(1.5)) / 3.0;
+    let first = 1.0 - through(0.5) + both;
+    let second = 2.0 * both + through(2.0) * (1.0 - through(1.0));
+    let [bright, opacity] = drawn(Transport::EMITTER, &at(&one));
+    let wanted = bright / opacity * (first + 0.5 * second);
+    for clouds in [format!("{one}, {other}"), format!("{other}, {one}")] {
+        let [light, opacity] = drawn(Transport::EMITTER, &at(&clouds));
+        assert!((light / wanted - 1.0).abs() < 0.01, "{light} for {wanted}");
+        assert!((opacity - 1.0 + through(3.0)).abs() < 0.005, "{opacity}");
+    }
+}
+
+#[test]
+fn clouds_that_pass_through_one_another_are_as_in_truth() {
+    // Two balls, one far in the other and lit from the side of either; and one through a deck, from above and from below.
+    let (one, other) = (ball([-80.0, 0.0, 0.0], 150.0, 60.0), ball([80.0, 30.0, 40.0], 140.0, 60.0));
+    let eyes = [[0.0, 100.0, 900.0], [900.0, 100.0, -200.0], [-900.0, 100.0, 200.0]];
+    for eye in eyes {
+        let at = |clouds: &str| seen(clouds, eye, [0.0, 15.0, 0.0], 300.0, 30.0);
+        assert_true_beside(at, &one, std::slice::from_ref(&other), [0.05, 0.1]);
+    }
+    let deck = sheet(1000.0, 200.0, 20.0);
+    for height in [2200.0, 100.0] {
+        let at = |clouds: &str| seen(clouds, [0.0, height, 1000.0], [0.0, 1100.0, 0.0], 500.0, 40.0);
+        let through = [ball([0.0, 1150.0, 0.0], 180.0, 40.0)];
+        assert_true_beside(at, &deck, &through, [0.08, 0.12]);
+    }
+}
+
+#[test]
+fn layers_of_light_add_up_where_clouds_pass_through_one_another() {
+    let clouds =
+        format!("{}, {}", ball([-60.0, 0.0, 0.0], 100.0, 20.0), ball([60.0, 20.0, 30.0], 100.0, 20.0));
+    let scene = seen(&clouds, [0.0, 30.0, 900.0], [0.0, 0.0, 0.0], 260.0, 40.0);
+    let mut renderer = renderer(Quality::DRAFT, Transport::SINGLE);
+    let film = Film::new(SIZE, 1);
+    let frame = film.frame(&scene).unwrap();
+    let whole = film.take(gpu(), &mut renderer, &frame, false, &mut |_| ()).unwrap();
+    let layers = renderer.render_layers(gpu(), &frame, &mut |_| ()).unwrap();
+    let parts = [&layers.sun.single, &layers.sun.multiple, &layers.sun.ambient, &layers.sun.air];
+    let parts = parts.map(|part| film.read(gpu(), part).unwrap().pixels);
+    for (i, pixel) in whole.pixels.iter().enumerate() {
+        let sum: f32 = parts.iter().map(|part| part[i][1]).sum::<f32>() * frame.unit();
+        assert!((sum - pixel[1]).abs() < 2e-3 * (pixel[1] + 0.01), "{sum} for {}", pixel[1]);
+        assert!((parts[0][i][3] - pixel[3]).abs() < 1e-3, "{} for {}", parts[0][i][3], pixel[3]);
+    }
 }
 
 #[test]

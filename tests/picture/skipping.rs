@@ -161,6 +161,32 @@ fn light_is_made_anew_once_for_each_change_of_sun_or_noise() {
     assert_eq!(made(&cloud), 7, "the scene's is not its own");
 }
 
+#[test]
+fn only_clouds_that_pass_through_one_another_are_looked_through_first() {
+    // Towers that lean: the boxes of those side by side meet.
+    let tower = |x: f64, lean: f64| {
+        let lump = |i: i32| {
+            let i = f64::from(i);
+            format!(r#"{{"center": [{}, {}, 0], "radii": [40, 40, 40]}}"#, x + lean * i, 800.0 + 60.0 * i)
+        };
+        format!(r#"{{"ellipsoids": [{}]}}"#, [0, 1, 2, 3].map(lump).join(","))
+    };
+    let looks = |clouds: &str| {
+        let scene = scene(&format!(
+            r#"{{"sky": "none", "clouds": [{clouds}],
+            "camera": {{"position": [0, 900, 900], "target": [0, 900, 0]}}}}"#
+        ));
+        let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
+        draw(&mut renderer, &scene, SIZE, false);
+        renderer.variants().any(|variant| variant.entry == "visibility")
+    };
+    let behind = tower(-60.0, -30.0).replace(", 0]", ", -700]");
+    let (one, through) = (tower(-60.0, -30.0), tower(0.0, -30.0));
+    assert!(!looks(&format!("{one}, {behind}")), "one behind the other");
+    assert!(!looks(&one) && looks(&format!("{one}, {through}")));
+    assert!(!looks(&format!("{}, {}", tower(-200.0, 30.0), tower(0.0, 30.0))), "side by side");
+}
+
 /// What is left of the shader of the clouds for a scene, as `prepare` wants it drawn.
 fn left(scene: &Scene, transport: Transport, prepare: impl Fn(&mut Renderer)) -> Compiled {
     let mut renderer = renderer(Quality::DRAFT, transport);
@@ -262,6 +288,9 @@ fn what_a_scene_does_not_use_is_compiled_out() {
     let [drawn, alone] = [1.0, 0.0].map(|on| compiled(&march(), "beauty", &[("SCENE_DEPTH", on)]).globals);
     assert!(drawn.contains("scene_depth") && !alone.contains("scene_depth"));
     assert!(!bare.globals.contains("scene_depth"));
+    let [crossed, alone] = [1.0, 0.0].map(|on| compiled(&march(), "beauty", &[("CROSSES", on)]).globals);
+    assert!(crossed.contains("visibilities") && !alone.contains("visibilities"));
+    assert!(!bare.globals.contains("visibilities"));
     let [mapped, unmapped] =
         [1.0, 0.0].map(|on| compiled(&source("sun_maps", MEDIA), "main", &[("MAPPED", on)]).globals);
     assert!(mapped.contains("depths") && !unmapped.contains("depths"));

@@ -10,6 +10,7 @@ use crate::pack::{grid, input, one, plane, scalars, two, vector, xyz};
 pub fn twins() -> Vec<Twin> {
     let mut all = steps();
     all.extend(seen());
+    all.extend(visibilities());
     all.extend(nodes());
     all.extend(columns());
     all.extend(boxes());
@@ -93,7 +94,8 @@ fn steps() -> Vec<Twin> {
 }
 
 /// What is seen of a ray, as a shader gets it.
-const SEEN: &str = "fn seen(x: vec4f) -> RaySeen { return RaySeen(x.x, x.y, x.z); }";
+const SEEN: &str = "fn seen(x: vec4f) -> RaySeen { return RaySeen(x.x, x.y, x.z, 1.0); }
+    fn past(x: vec4f, visible: f32) -> RaySeen { return RaySeen(x.x, x.y, x.z, visible); }";
 
 /// A ray's transmittance, optical depth, and where it ends.
 fn ended(random: &mut Random) -> Input {
@@ -122,13 +124,13 @@ fn seen() -> Vec<Twin> {
         Twin::new(
             "ray_seen",
             "ray_seen",
-            "let s = ray_seen(x[0].x, x[0].y, x[0].z); return vec4f(s.opacity, s.optical_depth, s.share, 0.0);",
+            "let s = ray_seen(x[0].x, x[0].y, x[0].z, 0.3); return vec4f(s.opacity, s.optical_depth, s.share, s.visible);",
             |x| {
                 // What was gathered of a ray that ended is taken for all of it.
                 let [transmittance, depth, opaque, _] = x[0];
                 match transmittance < opaque {
-                    true => [1.0, 1e4, (1.0 - transmittance).recip(), f64::NAN],
-                    false => [1.0 - transmittance, depth, 1.0, f64::NAN],
+                    true => [1.0, 1e4, (1.0 - transmittance).recip(), 0.3],
+                    false => [1.0 - transmittance, depth, 1.0, 0.3],
                 }
             },
         )
@@ -188,11 +190,14 @@ fn seen() -> Vec<Twin> {
                 vector(to_sun, random.log(1e-4, 0.03)),
             ])
         }),
-        Twin::new("ray_mean", "ray_seen", "return vec4f(ray_mean(x[1].x, seen(x[0])));", |x| {
-            one(x[1][0] / (x[0][0] / x[0][2]))
+        Twin::new("ray_mean", "ray_seen", "return vec4f(ray_mean(x[1].x, past(x[0], x[1].y)));", |x| {
+            // Where others hide some of it the weights are as much less.
+            one(x[1][0] / (x[1][1] * x[0][0] / x[0][2]))
         })
         .declaring(SEEN)
-        .over("all", |random| input([seen_ray(random), [random.log(1e-3, 1e6), 0.0, 0.0, 0.0]])),
+        .over("all", |random| {
+            input([seen_ray(random), [random.log(1e-3, 1e6), random.between(1e-3, 1.0), 0.0, 0.0]])
+        }),
         Twin::new("ray_height", "ray_seen", "return vec4f(ray_height(x[1].x, x[1].y, seen(x[0])));", |x| {
             // A cloud less than a metre high is a metre high.
             let mean = x[1][0] / (x[0][0] / x[0][2]);
@@ -204,6 +209,78 @@ fn seen() -> Vec<Twin> {
             let sum = seen[0] * extent * random.between(-1.0, 1.0);
             input([seen, [sum, extent, 0.0, 0.0]])
         }),
+    ]
+}
+
+/// What is told of a ray's transmittance: eleven distances and the opacity; then a distance.
+fn visibility(random: &mut Random) -> Input {
+    let opacity = [1.0, random.between(0.0, 1.0), random.log(1e-3, 1.0)][random.index(3)];
+    let mut marks = [0.0; 11].map(|_| random.log(0.01, 20.0));
+    marks.sort_by(f64::total_cmp);
+    // Levels that are never reached are where all ends.
+    for (i, mark) in marks.into_iter().enumerate().skip(1).collect::<Vec<_>>() {
+        marks[i] = if 1.0 - i as f64 / 10.0 < 1.0 - opacity { marks[10] } else { mark };
+    }
+    let place = random.between(0.9 * marks[0], 1.1 * marks[10]);
+    input([
+        [marks[0], marks[1], marks[2], marks[3]],
+        [marks[4], marks[5], marks[6], marks[7]],
+        [marks[8], marks[9], marks[10], opacity],
+        [place, 0.0, 0.0, 0.0],
+    ])
+}
+
+/// Straight lines between the marks, at each of which the transmittance is a tenth less, but no less than at last.
+fn seen_past(x: &Wide) -> f64 {
+    let mark = |i: usize| x[i / 4][i % 4];
+    let (least, place) = (1.0 - x[2][3], x[3][0]);
+    let through = |i: usize| (1.0 - i as f64 / 10.0).max(least);
+    if place <= mark(0) {
+        return 1.0;
+    }
+    let Some(next) = (1..11).find(|&i| place < mark(i)) else { return least };
+    let (a, b) = (mark(next - 1), mark(next));
+    through(next - 1) + (through(next) - through(next - 1)) * (place - a) / (b - a)
+}
+
+fn visibilities() -> Vec<Twin> {
+    vec![
+        Twin::new("visibility_level", "visibility", "return vec4f(visibility_level(u32(x[0].x)));", |x| {
+            one(1.0 - x[0][0] / 10.0)
+        })
+        .edges(plane(&[0.0, 1.0, 5.0, 9.0, 10.0], &[0.0]))
+        .beside(1.0)
+        .over("all", |random| scalars([random.index(11) as f64]))
+        .beside(1.0),
+        Twin::new(
+            "visibility_reached",
+            "visibility",
+            "return vec4f(visibility_reached(x[0].x, x[0].y, x[0].z, x[0].w, x[1].x));",
+            |x| {
+                // As deep, in optical depth, as the level is.
+                let ([t, length, before, after], level) = (x[0], x[1][0]);
+                let deep = |transmittance: f64| -(transmittance / before).ln();
+                one(t + length * deep(level) / deep(after.max(1e-30)))
+            },
+        )
+        .over("all", |random| {
+            let (before, optical_depth) = (random.between(0.1, 1.0), random.log(0.05, 50.0));
+            let level = before * (-optical_depth * random.between(0.1, 1.0)).exp();
+            let length = random.log(0.1, 1e3);
+            input([
+                [random.between(1.0, 1e4), length, before, before * (-optical_depth).exp()],
+                [level.max(1e-20), 0.0, 0.0, 0.0],
+            ])
+        }),
+        Twin::new(
+            "visibility_at",
+            "visibility",
+            "return vec4f(visibility_at(Visibility(x[0], x[1], x[2]), x[3].x));",
+            |x| one(seen_past(x)),
+        )
+        .over("all", visibility)
+        // A step between two marks that are as good as one is steep.
+        .beside(20.0),
     ]
 }
 

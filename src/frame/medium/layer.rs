@@ -106,17 +106,24 @@ impl LayerShape {
     /// Whether a ray from `height` in the layer's frame, m, meets it before the ground over an earth of half the
     /// curvature `bend`, 1/m, where it goes up by `slope` each metre: `layer_span` of `shaders/lib/layer.wgsl` is there.
     pub fn is_met(&self, height: f32, slope: f32, bend: f32) -> bool {
+        self.met(height, slope, bend).is_some()
+    }
+
+    /// From where to where on its way such a ray may meet it, m.
+    pub fn met(&self, height: f32, slope: f32, bend: f32) -> Option<[f32; 2]> {
         let LayerUniform { rim, top, bottom, ground, .. } = self.uniform;
         let bend = f64::from(bend * (1.0 - slope * slope)).max(1e-13);
         let below = |level: f32| below(f64::from(height) - f64::from(level), slope.into(), bend);
-        let Some((enters, leaves)) = below(rim + top) else { return false };
+        let (enters, leaves) = below(rim + top)?;
         let ground = below(ground).map_or(f64::INFINITY, |(enters, _)| enters);
         let end = if ground > 0.0 { leaves.min(ground) } else { leaves };
         let start = enters.max(0.0);
-        match below(rim - bottom) {
-            Some((enters, leaves)) if (enters..leaves).contains(&start) => leaves < end,
-            _ => start < end,
-        }
+        // Below its lower side it is not.
+        let start = match below(rim - bottom) {
+            Some((enters, leaves)) if (enters..leaves).contains(&start) => leaves,
+            _ => start,
+        };
+        (start < end).then_some([start as f32, end as f32])
     }
 
     /// Whether there may be something of it over a square, one of `squares` along a period, between two heights in its

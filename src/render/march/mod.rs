@@ -2,6 +2,7 @@
 //! cloud can touch.
 
 mod counts;
+mod crossings;
 mod parts;
 mod shelves;
 mod tiles;
@@ -15,14 +16,16 @@ use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
 pub use counts::Counts;
+pub(super) use crossings::{Crossings, may_cross};
 pub(super) use parts::Parts;
 #[cfg(test)]
 pub(crate) use tiles::Tile;
 pub(super) use tiles::{Cover, MANY, Seen};
 
+use crossings::Visibilities;
 use shelves::{Groups, Shelves};
 pub use variant::Variant;
-pub(super) use variant::{EVERYTHING, MATTE, PLACES};
+pub(super) use variant::{EVERYTHING, MATTE, PLACES, VISIBILITY};
 use variant::{pipeline, variant};
 
 use super::{
@@ -70,6 +73,7 @@ pub(super) struct View<'a> {
     pub depth: Option<&'a SceneDepth<'a>>,
     pub sky: &'a Sky,
     pub shadows: &'a Shadows,
+    pub crossings: &'a Crossings,
     pub counters: &'a Counters,
     pub entry: &'static str,
     pub format: wgpu::TextureFormat,
@@ -83,6 +87,8 @@ pub(super) struct View<'a> {
 #[derive(Clone)]
 pub(super) struct Draw {
     pipeline: wgpu::RenderPipeline,
+    /// From this one of its tiles on it crosses others.
+    crossing: Option<(u32, wgpu::RenderPipeline)>,
     groups: Groups,
     /// Where the cloud's numbers lie, bytes.
     offset: u32,
@@ -98,7 +104,7 @@ impl Draw {
     /// Records one piece of it after `before`, whose state the pass has: only what differs is set.
     pub fn record(&self, pass: &mut wgpu::RenderPass<'_>, tiles: Range<u32>, before: Option<&Self>) {
         let same = |is: &dyn Fn(&Self) -> bool| before.is_some_and(is);
-        if !same(&|before| before.pipeline == self.pipeline) {
+        if !same(&|before| before.crossing.is_none() && before.pipeline == self.pipeline) {
             pass.set_pipeline(&self.pipeline);
         }
         pass.set_bind_group(0, &self.groups.own, &[self.offset]);
@@ -113,7 +119,15 @@ impl Draw {
         if !same(&|before| before.groups.vertices == self.groups.vertices) {
             pass.set_bind_group(3, &self.groups.vertices, &[]);
         }
-        pass.draw(0..4, self.first + tiles.start..self.first + tiles.end);
+        let crossing =
+            self.crossing.as_ref().map_or(tiles.end, |(from, _)| (*from).clamp(tiles.start, tiles.end));
+        if tiles.start < crossing {
+            pass.draw(0..4, self.first + tiles.start..self.first + crossing);
+        }
+        if let Some((_, pipeline)) = self.crossing.as_ref().filter(|_| crossing < tiles.end) {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..4, self.first + crossing..self.first + tiles.end);
+        }
     }
 }
 
@@ -135,6 +149,7 @@ pub(super) struct March {
     linear: wgpu::Sampler,
     no_depth: TextureView,
     dark: TextureView,
+    visibilities: Visibilities,
 }
 
 /// Most species that are kept; a scene may have more, which then wait for nothing but time.
@@ -156,6 +171,7 @@ impl March {
             species: Vec::new(),
             linear: gpu::linear_clamp(device),
             no_depth: gpu::view(&gpu::texture(device, &NO_DEPTH)),
+            visibilities: Visibilities::new(device, 0),
             dark: gpu::view(&gpu::half_texture(device, queue, "dark", [1; 3], &[Default::default()])),
         }
     }
@@ -163,6 +179,16 @@ impl March {
     /// Begins another picture.
     pub fn begin(&mut self) {
         self.calls = 0;
+    }
+
+    /// Makes room for the visibilities of these crossings.
+    pub fn make_room(&mut self, crossings: &Crossings) {
+        self.visibilities.make_room(&self.device, crossings);
+    }
+
+    /// Records that none of them is known.
+    pub fn clear_visibilities(&self, encoder: &mut wgpu::CommandEncoder, crossings: &Crossings) {
+        self.visibilities.clear(encoder, crossings);
     }
 
     /// Compiles what is missing and binds those `clouds`, by number, that have tiles, each with its number; those that
@@ -183,10 +209,11 @@ impl March {
         }
         let Some(&first) = seen.first() else { return Vec::new() };
         let uniforms: Vec<_> = seen.iter().map(|&i| uniform(shared, &frame.clouds[i])).collect();
-        let covers: Vec<_> = seen.iter().map(|&i| &covers[i]).collect();
+        let covers: Vec<_> =
+            seen.iter().map(|&i| shared.crossings.of(i).map_or(&covers[i], |own| &own.cover)).collect();
         let kind = media.kind(&frame.clouds[first].medium);
         // Group 0 is the same whatever fills the roles.
-        self.compiled(&variant(shared, first, kind), shared.format);
+        self.compiled(&variant(shared, first, kind, false), shared.format);
         let layouts = &self.shaders[&(kind, shared.settings.transport)].groups;
         let its_own = |group: usize| {
             layouts.get(group).and_then(Option::as_ref).expect("the march declares groups 0 and 3")
@@ -199,15 +226,26 @@ impl March {
         self.filled += 1;
         let (firsts, buffers) = shelves.fill(&self.device, &self.queue, shared, &uniforms, &covers);
         let layouts = [its_own(0), its_own(3)];
-        let (no_depth, linear) = (&self.no_depth, &self.linear);
-        let groups = shelves.groups(&self.device, shared, layouts, buffers, &seen, (no_depth, linear));
+        let own = (&self.no_depth, self.visibilities.buffer(), &self.linear);
+        let groups = shelves.groups(&self.device, shared, layouts, buffers, &seen, own);
         let draw = |(place, &i): (usize, &usize)| {
             let light = lights.get(i).expect("those without light were left out");
             let medium = &frame.clouds[i].medium;
             let (pipeline, light) = self.lit(shared, i, media.kind(medium), light);
+            let kind = media.kind(medium);
             let (offset, medium) = (Shelf::offset(place), media.group(medium).clone());
-            let (first, tiles) = (firsts[place], covers[place].tiles.len() as u32);
-            (i, Draw { pipeline, groups: groups[place].clone(), offset, medium, light, first, tiles })
+            let (mut first, mut tiles) = (firsts[place], covers[place].tiles.len() as u32);
+            let mut crossing = None;
+            if let Some(crossed) = shared.crossings.of(i) {
+                if shared.entry == VISIBILITY {
+                    (first, tiles) = (first + crossed.alone, tiles - crossed.alone);
+                } else {
+                    let pipeline = self.compiled(&variant(shared, i, kind, true), shared.format);
+                    crossing = Some((crossed.alone, pipeline));
+                }
+            }
+            let groups = groups[place].clone();
+            (i, Draw { pipeline, crossing, groups, offset, medium, light, first, tiles })
         };
         seen.iter().enumerate().map(draw).collect()
     }
@@ -234,7 +272,7 @@ impl March {
         light: &mut CloudLight,
     ) -> (wgpu::RenderPipeline, Option<BindGroup>) {
         let cloud = &shared.frame.clouds[number];
-        let variant = variant(shared, number, kind);
+        let variant = variant(shared, number, kind, false);
         let pipeline = self.compiled(&variant, shared.format);
         let transport = variant.transport;
         if let Some(known) = light.bound(transport) {

@@ -24,7 +24,7 @@ pub(super) struct Shelves {
 /// What the march's own group is made of.
 #[derive(Clone, PartialEq)]
 struct Bound {
-    buffers: [wgpu::Buffer; 6],
+    buffers: [wgpu::Buffer; 7],
     textures: [TextureView; 4],
 }
 
@@ -62,7 +62,9 @@ impl Shelves {
         for cover in covers {
             firsts.push(tiles.len() as u32);
             let offset = candidates.len() as u32;
-            tiles.extend(cover.tiles.iter().map(|tile| Tile { first: tile.first + offset, ..*tile }));
+            let moved =
+                |tile: &Tile| Tile { first: tile.first + offset, others: tile.others + offset, ..*tile };
+            tiles.extend(cover.tiles.iter().map(moved));
             candidates.extend_from_slice(&cover.candidates);
         }
         let camera = shared.frame.camera.jittered(shared.settings.quality.jitter);
@@ -84,7 +86,7 @@ impl Shelves {
         layouts: [&BindGroupLayout; 2],
         [camera, clouds, tiles, candidates]: [wgpu::Buffer; 4],
         seen: &[usize],
-        (no_depth, linear): (&TextureView, &wgpu::Sampler),
+        (no_depth, visibilities, linear): (&TextureView, &wgpu::Buffer, &wgpu::Sampler),
     ) -> Vec<Groups> {
         let sky = shared.sky;
         let mut before = std::mem::take(&mut self.own);
@@ -96,7 +98,15 @@ impl Shelves {
             let [camera, clouds, tiles, candidates] =
                 [&camera, &clouds, &tiles, &candidates].map(wgpu::Buffer::clone);
             let bound = Bound {
-                buffers: [camera, clouds, tiles, candidates, sky.atmosphere().clone(), map.clone()],
+                buffers: [
+                    camera,
+                    clouds,
+                    tiles,
+                    candidates,
+                    sky.atmosphere().clone(),
+                    map.clone(),
+                    visibilities.clone(),
+                ],
                 textures: [
                     sky.aerial().clone(),
                     shared.depth.map_or(no_depth, |depth| depth.view).clone(),
@@ -130,7 +140,7 @@ fn own_group(
     device: &wgpu::Device,
     shared: &View<'_>,
     layout: &BindGroupLayout,
-    Bound { buffers: [camera, clouds, tiles, candidates, air, map], textures }: &Bound,
+    Bound { buffers: [camera, clouds, tiles, candidates, air, map, visibilities], textures }: &Bound,
     linear: &wgpu::Sampler,
 ) -> BindGroup {
     let [aerial, depth, shadow, lit] = textures;
@@ -148,6 +158,7 @@ fn own_group(
         texture(shadow),
         Some(map.as_entire_binding()),
         texture(lit),
+        Some(visibilities.as_entire_binding()),
     ];
     gpu::bind_group(device, "march", layout, &resources)
 }

@@ -22,14 +22,17 @@ pub struct Tile {
     pub(crate) area: [u32; 4],
     pub(crate) first: u32,
     pub(crate) count: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) block: u32,
+    pub(crate) others: u32,
 }
 
 /// The tiles of one cloud and their lists of ellipsoids.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Cover {
     pub(crate) tiles: Vec<Tile>,
     pub(crate) candidates: Vec<u32>,
+    /// Nearest and farthest distance of what each tile may meet, m, where the cloud may cross others.
+    pub(in crate::render) depths: Vec<[f32; 2]>,
 }
 
 /// What a picture is covered with: a cloud whose frame has the eye at `eye`.
@@ -115,12 +118,45 @@ impl Cover {
         near.truncate(length);
     }
 
+    /// Finds the distances of what its tiles list, in the picture of `camera`.
+    pub fn measure(&mut self, camera: &CameraUniform, seen: &Seen<'_>) {
+        let distance = |e: &EllipsoidUniform| match camera.projection {
+            CameraUniform::ORTHOGRAPHIC => (e.center - seen.eye).dot(camera.forward),
+            _ => e.center.distance(seen.eye),
+        };
+        // Lines of sight that begin on a plane that they don't cross at right angles begin at many distances.
+        let skewed =
+            camera.projection == CameraUniform::ORTHOGRAPHIC && camera.forward.dot(camera.axis) < 0.9999;
+        let span = |tile: &Tile| {
+            let listed = &self.candidates[tile.first as usize..][..tile.count as usize];
+            let ends = listed.iter().map(|&index| {
+                let e = &seen.ellipsoids[index as usize];
+                let (middle, radius) = (distance(e), 1.001 * e.largest_radius());
+                [middle - radius, middle + radius]
+            });
+            let all = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+            all.filter(|_| !skewed).unwrap_or([f32::NEG_INFINITY, f32::INFINITY])
+        };
+        self.depths = self.tiles.iter().map(span).collect();
+    }
+
+    /// Finds the distances of what its tiles see of a layer, as [`Cover::of_layer`] has it.
+    pub fn measure_layer(&mut self, camera: &CameraUniform, eye: Vec3, layer: &LayerShape, bend: f32) {
+        let span = |tile: &Tile| {
+            let [left, top, right, bottom] = tile.area;
+            let (min, max) = (UVec2::new(left, top), UVec2::new(right, bottom));
+            layer_depths(camera, eye, layer, bend, min, max).unwrap_or([f32::NEG_INFINITY, f32::INFINITY])
+        };
+        self.depths = self.tiles.iter().map(span).collect();
+    }
+
     fn push(&mut self, min: UVec2, max: UVec2, near: &[u32]) {
         self.tiles.push(Tile {
             area: [min.x, min.y, max.x, max.y],
             first: self.candidates.len() as u32,
             count: near.len() as u32,
-            padding: [0; 2],
+            block: 0,
+            others: 0,
         });
         self.candidates.extend_from_slice(near);
     }
@@ -171,15 +207,36 @@ fn may_meet(
     min: UVec2,
     max: UVec2,
 ) -> bool {
+    camera.projection == CameraUniform::ORTHOGRAPHIC
+        || slopes(camera, min, max).into_iter().any(|slope| layer.is_met(eye.y, slope, bend))
+}
+
+/// Nearest and farthest distance at which a rectangle of the picture may see a layer, m; none where it is not known.
+fn layer_depths(
+    camera: &CameraUniform,
+    eye: Vec3,
+    layer: &LayerShape,
+    bend: f32,
+    min: UVec2,
+    max: UVec2,
+) -> Option<[f32; 2]> {
     if camera.projection == CameraUniform::ORTHOGRAPHIC {
-        return true;
+        return None;
     }
+    // Where all of it sees the layer, lines of sight between are met between: beyond is unknown.
+    let [a, b] = slopes(camera, min, max).map(|slope| layer.met(eye.y, slope, bend));
+    let ([a, b], [c, d]) = (a?, b?);
+    Some([a.min(c), b.max(d)])
+}
+
+/// Least and largest slope of what a rectangle of the picture sees, m of height each m of the way.
+fn slopes(camera: &CameraUniform, min: UVec2, max: UVec2) -> [f32; 2] {
     let corners = [min, UVec2::new(max.x, min.y), max, UVec2::new(min.x, max.y)];
     let slopes = corners.map(|corner| camera.ray(corner.as_vec2() / Vec2::from(camera.size)).1.y);
     let wide = (max - min).max_element() as f32 * camera.pixel;
-    let [low, high] =
+    let ends =
         [slopes.into_iter().fold(1.0, f32::min) - wide, slopes.into_iter().fold(-1.0, f32::max) + wide];
-    [low, high].into_iter().any(|slope| layer.is_met(eye.y, slope.clamp(-1.0, 1.0), bend))
+    ends.map(|slope| slope.clamp(-1.0, 1.0))
 }
 
 #[cfg(test)]

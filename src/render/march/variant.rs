@@ -11,6 +11,9 @@ use crate::{
 pub(in crate::render) const PLACES: &str = "places";
 pub(in crate::render) const EVERYTHING: &str = "everything";
 
+/// Entry that tells how far rays see, for clouds that cross.
+pub(in crate::render) const VISIBILITY: &str = "visibility";
+
 /// Of mattes: distance and opacity.
 pub(in crate::render) const MATTE: wgpu::TextureFormat = wgpu::TextureFormat::Rg16Float;
 
@@ -49,6 +52,7 @@ pub struct Variant {
     absorbing: bool,
     repeats: bool,
     shaded: bool,
+    crosses: bool,
     light_nodes: u32,
     max_steps: u32,
 }
@@ -60,7 +64,7 @@ impl Variant {
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 18] {
+    pub fn overrides(&self) -> [(&'static str, f64); 20] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -73,7 +77,9 @@ impl Variant {
             ("SKY_LIGHT", flag(self.sky_light)),
             ("SCENE_DEPTH", flag(self.scene_depth)),
             ("GROUND", flag(self.ground)),
-            ("LIT", flag(self.entry != PLACES)),
+            ("LIT", flag(is_lit(self.entry))),
+            ("CROSSES", flag(self.crosses)),
+            ("VISIBILITY", flag(self.entry == VISIBILITY)),
             ("NORMALS", flag(self.normals)),
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
@@ -85,13 +91,17 @@ impl Variant {
     }
 }
 
-/// That of cloud `number` in a picture.
-pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind) -> Variant {
+/// Which way a cloud faces and how far one sees into it has nothing to do with light.
+fn is_lit(entry: &str) -> bool {
+    !matches!(entry, PLACES | VISIBILITY)
+}
+
+/// That of cloud `number` in a picture, alone or where it crosses others.
+pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind, crosses: bool) -> Variant {
     let cloud = &shared.frame.clouds[number];
     let settings = shared.settings;
     let species = &cloud.medium.species;
-    // Which way a cloud faces has nothing to do with light.
-    let lit = shared.entry != PLACES;
+    let (lit, hides) = (is_lit(shared.entry), shared.entry != PLACES);
     let hides_discs = settings.transport.0.needs.sun || settings.transport == Transport::DARK;
     let has_peak = species.truncated > 0.0 && hides_discs;
     let is_flash = matches!(shared.frame.by, LitBy::Flash(..));
@@ -112,15 +122,16 @@ pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind) -> V
         mattes: shared.mattes,
         normals: matches!(shared.entry, PLACES | EVERYTHING),
         flash: is_flash,
-        moons: if lit { shared.frame.moons() } else { 0 },
+        moons: if hides { shared.frame.moons() } else { 0 },
         sky_light: lit && above && shared.sky.lights(),
         scene_depth: shared.depth.is_some(),
         // Between two points above the level of the ground below the camera there is none of it.
         ground: settings.ground && has_air && lowest < shared.frame.ground,
-        peak: lit && has_peak && !is_flash,
+        peak: hides && has_peak && !is_flash,
         absorbing: species.albedo < 1.0,
         repeats: cloud.medium.layer.is_some(),
         shaded: lit && shared.shadows.are_on(number),
+        crosses,
         // Light from within changes fast along a ray.
         light_nodes: if is_flash { MOST_NODES } else { settings.quality.light_nodes.clamp(1, MOST_NODES) },
         max_steps: settings.quality.max_steps,
@@ -135,9 +146,11 @@ pub(super) fn pipeline(
     format: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
     let overrides = shader.known(&variant.overrides());
-    let blend = if variant.adds { ADDS } else { wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING };
-    let write_mask = wgpu::ColorWrites::ALL;
-    let target = |format| Some(wgpu::ColorTargetState { format, blend: Some(blend), write_mask });
+    let over = if variant.adds { ADDS } else { wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING };
+    let draws = variant.entry != VISIBILITY;
+    let blend = draws.then_some(over);
+    let write_mask = if draws { wgpu::ColorWrites::ALL } else { wgpu::ColorWrites::empty() };
+    let target = |format| Some(wgpu::ColorTargetState { format, blend, write_mask });
     let mut targets = vec![target(format); pictures(variant.entry)];
     targets.extend(variant.mattes.then(|| target(MATTE)));
     let strips = Strips {

@@ -7,7 +7,7 @@ use crate::{
     render::{
         SceneDepth, Settings,
         light::{Inputs, LightStore, Occluders, Presence},
-        march::{Counters, Cover, Draw, March},
+        march::{Counters, Cover, Crossings, Draw, March, VISIBILITY},
         medium::Media,
         shadow::{ShadowInputs, Shadows, may_shade},
         sky::Sky,
@@ -42,6 +42,7 @@ pub(super) struct Room<'a> {
     pub timing: Option<&'a Timing>,
     pub media: &'a Media,
     pub covers: &'a [Cover],
+    pub crossings: &'a Crossings,
 }
 
 /// What a picture of clouds is drawn as.
@@ -196,6 +197,16 @@ impl Lamp {
         self.sky.draw_shaded(device, encoder, target, adds, &self.shadows, timing);
     }
 
+    /// Whether a cloud is in the picture with its light.
+    pub fn is_ready(&mut self, cloud: usize) -> bool {
+        self.presence[cloud] == Presence::Seen && self.clouds.get(cloud).is_some()
+    }
+
+    /// Whether a cloud is drawn by this entry: visibilities are of those that cross others.
+    fn is_drawn(&self, cloud: usize, room: &Room<'_>, entry: &str) -> bool {
+        self.presence[cloud] == Presence::Seen && (entry != VISIBILITY || room.crossings.of(cloud).is_some())
+    }
+
     /// The clouds in the picture, far ones first, each with its number.
     pub fn draws(
         &mut self,
@@ -207,9 +218,11 @@ impl Lamp {
     ) -> Vec<(usize, Draw)> {
         let Way { depth, entry, format, adds, mattes } = way;
         let order: Vec<_> =
-            far_to_near(frame).into_iter().filter(|&i| self.presence[i] == Presence::Seen).collect();
+            far_to_near(frame).into_iter().filter(|&i| self.is_drawn(i, room, entry)).collect();
         let (sky, shadows, settings) = (sky.unwrap_or(&self.sky), &self.shadows, room.settings);
-        let view = View { frame, settings, depth, sky, shadows, counters, entry, format, adds, mattes };
+        let crossings = room.crossings;
+        let view =
+            View { frame, settings, depth, sky, shadows, crossings, counters, entry, format, adds, mattes };
         march.prepare(&view, &order, room.covers, room.media, &mut self.clouds)
     }
 }

@@ -16,7 +16,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use super::{
     Counts, Quality, Settings, Transport,
-    march::{Counters, Draw, March, Variant, View},
+    march::{Counters, Crossings, Draw, March, VISIBILITY, Variant, View},
     medium::Media,
     shadow::SunMap,
 };
@@ -55,6 +55,7 @@ pub struct Renderer {
     pub timing: Option<Timing>,
     media: Media,
     covers: Covers,
+    crossings: Crossings,
     /// What was last prepared, and drawn.
     prepared: Option<Prepared>,
     drawn: Option<Drawn>,
@@ -85,6 +86,7 @@ impl Renderer {
             timing: None,
             media: Media::new(device, queue),
             covers: Covers::default(),
+            crossings: Crossings::default(),
             prepared: None,
             drawn: None,
             shown: None,
@@ -291,21 +293,32 @@ impl Renderer {
     }
 
     /// The clouds in the picture in all lights, far ones first: those of the last picture where they are the same.
-    fn draws(&mut self, frame: &Frame, way: Way<'_>) -> Arc<[Draw]> {
+    fn draws(&mut self, frame: &Frame, way: Way<'_>) -> Drawn {
         let wanted = (self.march.filled, way.entry, way.format);
         if let Some(drawn) = self.drawn.as_ref().filter(|drawn| way.depth.is_none() && drawn.by == wanted) {
-            return drawn.draws.clone();
+            return drawn.clone();
         }
+        let crossing = self.crossing_draws(frame, way);
         let mut draws = self.draws_of(frame, None, way);
         for (number, frame) in frame.lit_apart() {
             let own = self.draws_of(&frame, Some(number), Way { adds: true, ..way });
             draws = each_over_its_own(draws, own);
         }
         let draws: Arc<[Draw]> = pieces::in_order(draws);
-        // With a caller's depth other distances are told.
         let by = (self.march.filled, way.entry, way.format);
-        self.drawn = way.depth.is_none().then(|| Drawn { by, draws: draws.clone() });
-        draws
+        let drawn = Drawn { by, crossing, draws };
+        // With a caller's depth other distances are told.
+        self.drawn = way.depth.is_none().then(|| drawn.clone());
+        drawn
+    }
+
+    /// The clouds that cross others into their visibilities.
+    fn crossing_draws(&mut self, frame: &Frame, way: Way<'_>) -> Arc<[Draw]> {
+        if self.crossings.is_empty() {
+            return Arc::default();
+        }
+        self.march.make_room(&self.crossings);
+        pieces::in_order(self.draws_of(frame, None, Way { entry: VISIBILITY, ..way }))
     }
 
     /// Clouds in a light that not all of them have, among the others, which are dark and stand before some.
@@ -337,6 +350,7 @@ impl Renderer {
             timing: self.timing.as_ref(),
             media: &self.media,
             covers: self.covers.all(),
+            crossings: &self.crossings,
         };
         let march = (&mut self.march, &self.counters);
         let Some(number) = number else { return self.sun.draws(&room, march, frame, None, way) };

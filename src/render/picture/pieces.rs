@@ -6,13 +6,14 @@ use std::sync::Arc;
 use wgpu::TextureView;
 
 use super::{
-    Draw, Flush, HDR, Layers, LightLayers, Matte, Renderer, Target, Way, clear, matte::MatteTarget, view,
+    Draw, Drawn, Flush, HDR, Layers, LightLayers, Matte, Renderer, Target, Way, clear, matte::MatteTarget,
+    view,
 };
 use crate::{
     Result,
     frame::{Frame, LitBy},
     gpu::Gpu,
-    render::march::{EVERYTHING, PLACES},
+    render::march::{EVERYTHING, PLACES, VISIBILITY},
 };
 
 /// Tiles of one submission, of at most 256 pixels each: a second or two in final quality on two
@@ -115,8 +116,34 @@ impl Renderer {
             self.draw_sky(encoder, frame, target.color, self.format);
         }
         let way = Way { depth: target.depth.as_ref(), ..Way::over("beauty", self.format) };
-        let draws = self.draws(frame, way);
-        Pieces::new(vec![Stage::new(draws, &[target.color])])
+        self.begin_drawn(encoder, frame, way, target.color)
+    }
+
+    /// Begins the clouds into one target.
+    fn begin_drawn(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        way: Way<'_>,
+        target: &TextureView,
+    ) -> Pieces {
+        let Drawn { crossing, draws, .. } = self.draws(frame, way);
+        let stages = self.begin_crossings(encoder, crossing, target).into_iter();
+        Pieces::new(stages.chain([Stage::new(draws, &[target])]).collect())
+    }
+
+    /// Begins the visibilities of clouds that cross others, in the pixels of `target`, which stays as it is; nothing where
+    /// none do.
+    fn begin_crossings(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        crossing: Arc<[Draw]>,
+        target: &TextureView,
+    ) -> Option<Stage> {
+        (!crossing.is_empty()).then(|| {
+            self.march.clear_visibilities(encoder, &self.crossings);
+            Stage::new(crossing, &[target])
+        })
     }
 
     /// Begins the light of `frame` apart: [`Renderer::render_layers`] in pieces.
@@ -133,8 +160,10 @@ impl Renderer {
         flush: Flush<'_>,
     ) -> (Layers, Pieces) {
         self.prepare(encoder, frame, flush);
-        let mut work = Vec::new();
+        let crossing = self.crossing_draws(frame, Way::over(VISIBILITY, HDR));
         let [distance, normal] = ["distance", "normal"].map(|label| self.cleared(encoder, label, frame));
+        let mut work: Vec<_> =
+            self.begin_crossings(encoder, crossing, &view(&distance)).into_iter().collect();
         let mut places = Places { distance, normal, mattes: Vec::new() };
         let sun = self.begin_sun(encoder, frame, apart, &mut places, &mut work);
         let further = frame.lights().iter().map(|light| {
@@ -234,9 +263,8 @@ impl Renderer {
         self.prepare(encoder, frame, &mut |_| true);
         let cost = self.picture("cost", frame.size(), HDR);
         clear(encoder, &view(&cost));
-        let draws = self.draws(frame, Way::over("cost", HDR));
-        let work = Stage::new(draws, &[&view(&cost)]);
-        (cost, Pieces::new(vec![work]))
+        let pieces = self.begin_drawn(encoder, frame, Way::over("cost", HDR), &view(&cost));
+        (cost, pieces)
     }
 
     /// Records the next `tiles` tiles; submit the encoder before the next call.

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Flush, Lamp, Renderer, Room, Target};
+use super::{Flush, Lamp, Renderer, Room, Target, far_to_near};
 use crate::{
     frame::{CloudFrame, Frame, LitBy},
     render::{
         Settings,
-        march::{Cover, Draw, MANY, Parts, Seen},
+        march::{Cover, Crossings, Draw, MANY, Parts, Seen, may_cross},
     },
 };
 
@@ -26,9 +26,12 @@ pub(super) struct Prepared {
 }
 
 /// What was last drawn of it.
+#[derive(Clone)]
 pub(super) struct Drawn {
     /// How often the march had filled what it binds, the entry and the format.
     pub by: (u64, &'static str, wgpu::TextureFormat),
+    /// Visibilities of clouds that cross.
+    pub crossing: Arc<[Draw]>,
     pub draws: Arc<[Draw]>,
 }
 
@@ -48,23 +51,33 @@ impl Covers {
     fn find(&mut self, frame: &Frame, baked: &[bool]) {
         let known = self.parts.take().filter(|parts| parts.are_of(&frame.camera));
         let parts = &*self.parts.insert(known.unwrap_or_else(|| Parts::new(&frame.camera)));
-        let cover = |(cloud, &baked): (&CloudFrame, &bool)| cover(parts, frame, cloud, baked);
-        frame.clouds.par_iter().zip(baked).map(cover).collect_into_vec(&mut self.all);
+        let crosses = may_cross(&frame.clouds);
+        let cover = |((cloud, &baked), &crosses)| cover(parts, frame, cloud, baked, crosses);
+        frame.clouds.par_iter().zip(baked).zip(&crosses).map(cover).collect_into_vec(&mut self.all);
     }
 }
 
-fn cover(parts: &Parts, frame: &Frame, cloud: &CloudFrame, baked: bool) -> Cover {
+/// Where a cloud is in the picture; with distances where it may cross others.
+fn cover(parts: &Parts, frame: &Frame, cloud: &CloudFrame, baked: bool, crosses: bool) -> Cover {
     let eye = (frame.camera_position - cloud.origin).as_vec3();
     let medium = &cloud.medium;
     if let Some(layer) = &medium.layer {
         let bend = 0.5 / frame.sky.uniform.atmosphere.ground_radius;
-        return Cover::of_layer(&frame.camera, eye, layer, bend);
+        let mut cover = Cover::of_layer(&frame.camera, eye, layer, bend);
+        if crosses {
+            cover.measure_layer(&frame.camera, eye, layer, bend);
+        }
+        return cover;
     }
     // The index of a mesh or a volume tells rays where something is.
     let baked = baked || medium.is_held();
     let many = if baked { usize::MAX } else { MANY };
     let half = medium.is_of_ellipsoids().then(|| cloud.half.as_vec3());
-    let mut cover = Cover::new(parts, &Seen { eye, ellipsoids: &medium.ellipsoids, half, many });
+    let seen = Seen { eye, ellipsoids: &medium.ellipsoids, half, many };
+    let mut cover = Cover::new(parts, &seen);
+    if crosses {
+        cover.measure(&frame.camera, &seen);
+    }
     if baked {
         cover.candidates.clear();
     }
@@ -113,6 +126,7 @@ impl Renderer {
             timing: self.timing.as_ref(),
             media: &self.media,
             covers: self.covers.all(),
+            crossings: &self.crossings,
         };
         let for_sun = self.settings.of_sun(frame);
         self.sun.prepare_sky(&room, encoder, frame);
@@ -125,6 +139,14 @@ impl Renderer {
             }
             lamp.prepare(&room, encoder, frame, (!above).then_some(&self.sun.sky), flush);
         }
+        self.crossings = self.find_crossings(frame);
+    }
+
+    /// Where clouds that have their light cross.
+    fn find_crossings(&mut self, frame: &Frame) -> Crossings {
+        let mut order = far_to_near(frame);
+        order.retain(|&cloud| self.sun.is_ready(cloud));
+        Crossings::find(&self.device, frame, &order, self.covers.all())
     }
 
     /// Finds where the clouds are in the picture, where they or the camera moved, and keeps what it was prepared for.
