@@ -24,6 +24,10 @@ pub struct Settings {
     /// what they have, of another moment, and are not drawn while they have none. For windows in which
     /// something moves.
     pub lights_at_once: u32,
+    /// Light in a cloud is kept while the sun has turned by no more degrees than these, and while noise that wanders
+    /// through it, and clouds before it, have gone no farther than half the way that the end of a shadow in it does by
+    /// that. 0: made anew whatever moves. For games and windows: docs/motion.md has errors and times.
+    pub light_slack_deg: f64,
     /// Clouds of so many ellipsoids or more are drawn from a volume of depths that is baked once a
     /// shape; those of fewer ask each ellipsoid.
     pub bake_from: u32,
@@ -48,6 +52,7 @@ impl Default for Settings {
             shadows: true,
             ground: true,
             lights_at_once: u32::MAX,
+            light_slack_deg: 0.0,
             bake_from: BAKE_FROM,
             counting: false,
         }

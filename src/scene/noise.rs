@@ -74,6 +74,28 @@ pub struct Renewed {
     pub round: u32,
 }
 
+impl Noise {
+    /// How far billows are from where they are in `other`, m, to `radius` m from the middle that they turn about; never near where they
+    /// are of another kind. Those that make way for others are carried by their size each time.
+    pub(crate) fn distance_to(&self, other: &Self, radius: f64) -> f64 {
+        let like = Self {
+            offset: other.offset,
+            rotation: other.rotation,
+            evolution: other.evolution,
+            renewed: other.renewed,
+            ..self.clone()
+        };
+        if like != *other || self.renewed.round != other.renewed.round {
+            return f64::INFINITY;
+        }
+        let size = self.scale.unwrap_or(radius);
+        (self.offset - other.offset).length()
+            + radius * self.rotation.angle_between(other.rotation)
+            + (self.evolution - other.evolution).abs()
+            + size * (self.renewed.times - other.renewed.times).abs()
+    }
+}
+
 impl Renewed {
     fn is_none(&self) -> bool {
         *self == Self::default()

@@ -154,3 +154,68 @@ fn of_clouds_with_one_middle_one_may_be_out_of_view() {
         assert_eq!(some.light_updates(), made, "{east} m to the east");
     }
 }
+
+/// A heap in the light of the sun at this azimuth, which its own noise or that of the scene makes ragged.
+fn heap(azimuth_deg: f64, east: f64) -> Scene {
+    let mut scene = scene(
+        r#"{"clouds": [{"edge": {"boundary": 40}, "droplets": {"concentration_per_cm3": 150}, "ellipsoids": [
+            {"center": [0, 950, 0], "radii": [160, 120, 150]}, {"center": [120, 900, 40], "radii": [110, 80, 110]}]}],
+        "noise": {"scale": 90}, "sky": {"uniform": {"radiance": [0.05, 0.07, 0.1]}},
+        "camera": {"position": [0, 900, 900], "target": [0, 930, 0]}}"#,
+    );
+    scene.sun.position = SunPosition::Angles { azimuth_deg, elevation_deg: 30.0 };
+    scene.clouds[0].ellipsoids.iter_mut().for_each(|ellipsoid| ellipsoid.center.x += east);
+    scene
+}
+
+#[test]
+fn light_is_kept_while_little_moves_where_that_is_asked_for() {
+    let updates = |slack_deg: f64, scenes: &[Scene]| {
+        let mut some = at_once(u32::MAX);
+        some.settings.light_slack_deg = slack_deg;
+        let mut made = Vec::new();
+        for scene in scenes {
+            let before = some.light_updates();
+            drawn(&mut some, scene);
+            assert_eq!(some.lights_waiting(), 0);
+            made.push(some.light_updates() > before);
+        }
+        made
+    };
+    let turning = [0.0, 0.3, 0.5, 0.7, 0.9].map(|turned| heap(120.0 + turned, 0.0));
+    assert_eq!(updates(0.0, &turning), [true; 5]);
+    // Steps of azimuth are shorter at a height of 30 degrees, by its cosine.
+    assert_eq!(updates(0.5, &turning), [true, false, false, true, false]);
+    // It drifts through the scene's noise: 0.5 degrees are 2 m at its far side, and half of it counts.
+    let drifting = [0.0, 0.5, 0.9, 1.3, 2.0].map(|east| heap(120.0, east));
+    assert_eq!(updates(0.0, &drifting), [true; 5]);
+    assert_eq!(updates(0.5, &drifting), [true, false, false, true, false]);
+    // What is another cloud is another cloud.
+    let mut thinner = heap(120.0, 0.0);
+    thinner.clouds[0].droplets.concentration_per_cm3 = 149.0;
+    assert_eq!(updates(0.5, &[heap(120.0, 0.0), thinner]), [true, true]);
+}
+
+#[test]
+fn what_light_is_kept_for_is_not_seen() {
+    let (mut some, mut exact) = (at_once(u32::MAX), at_once(u32::MAX));
+    some.settings.light_slack_deg = 0.5;
+    let mut worst = [0.0f64; 2];
+    let mut last: Option<Vec<f64>> = None;
+    for step in 0..16 {
+        let scene = heap(120.0 + 0.15 * f64::from(step), 0.0);
+        let [kept, made] = [&mut some, &mut exact].map(|renderer| drawn(renderer, &scene));
+        let bright = made.pixels.iter().map(|pixel| pixel[1]).fold(0.0, f32::max);
+        let off: Vec<_> =
+            kept.pixels.iter().zip(&made.pixels).map(|(a, b)| f64::from((a[1] - b[1]) / bright)).collect();
+        worst[0] = off.iter().fold(worst[0], |most, off| most.max(off.abs()));
+        if let Some(last) = &last {
+            // What changes at once beside what the turn of the sun changes.
+            let jump = off.iter().zip(last).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            worst[1] = worst[1].max(jump);
+        }
+        last = Some(off);
+    }
+    eprintln!("off by {:.4} of the brightest, in one step {:.4}", worst[0], worst[1]);
+    assert!(worst.iter().all(|off| *off < 1.0 / 255.0), "{worst:?}");
+}

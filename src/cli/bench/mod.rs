@@ -2,6 +2,7 @@
 
 mod march;
 mod models;
+mod moving;
 mod reference;
 mod speed;
 
@@ -27,6 +28,7 @@ enum What {
     Reference(reference::MakeReferences),
     March(march::BenchMarch),
     Speed(speed::BenchSpeed),
+    Moving(moving::BenchMoving),
 }
 
 impl Bench {
@@ -39,6 +41,7 @@ impl Bench {
             Some(What::Reference(command)) => command.run(),
             Some(What::March(command)) => command.run(),
             Some(What::Speed(command)) => command.run(),
+            Some(What::Moving(command)) => command.run(),
             None => self.models.run(),
         }
     }

@@ -54,7 +54,7 @@ impl BenchSpeed {
     /// Where the arguments, the adapter or a file are not good.
     pub fn run(self) -> Result<()> {
         let qualities = named(&Quality::PRESETS, &self.qualities, "--qualities")?;
-        let sizes = self.sizes.iter().map(|size| size_of(size)).collect::<Result<Vec<_>>>()?;
+        let sizes = self.sizes.iter().map(|size| size_of(size, "--sizes")).collect::<Result<Vec<_>>>()?;
         let scenes = self.scenes.iter().map(|name| scene_of(name)).collect::<Result<Vec<_>>>()?;
         let kind = self.output.as_deref().map(Kind::of).transpose()?;
         self.output.iter().try_for_each(|file| check_place(file))?;
@@ -117,7 +117,7 @@ impl Kind {
 /// Widest and highest picture, pixels: what every device can draw into.
 const MOST: u32 = 8192;
 
-fn size_of(text: &str) -> Result<[u32; 2]> {
+pub(super) fn size_of(text: &str, option: &str) -> Result<[u32; 2]> {
     let known = [("720p", [1280, 720]), ("1080p", [1920, 1080]), ("4k", [3840, 2160])];
     if let Some((_, size)) = known.iter().find(|(name, _)| name.eq_ignore_ascii_case(text)) {
         return Ok(*size);
@@ -126,12 +126,12 @@ fn size_of(text: &str) -> Result<[u32; 2]> {
     let size = text.split_once(['x', 'X']).and_then(|(w, h)| Some([number(w)?, number(h)?]));
     size.ok_or_else(|| {
         Error::Argument(format!(
-            "--sizes knows no `{text}`: there are 720p, 1080p, 4k, and WIDTHxHEIGHT with numbers from 1 to {MOST}"
+            "{option} knows no `{text}`: there are 720p, 1080p, 4k, and WIDTHxHEIGHT with numbers from 1 to {MOST}"
         ))
     })
 }
 
-fn scene_of(name: &str) -> Result<Scene> {
+pub(super) fn scene_of(name: &str) -> Result<Scene> {
     if let Some(preset) = Preset::ALL.into_iter().find(|preset| preset.name() == name) {
         return Ok(preset.scene(1));
     }
@@ -150,12 +150,12 @@ mod tests {
 
     #[test]
     fn sizes_and_scenes_are_read_or_told() {
-        assert_eq!(size_of("1080p").unwrap(), [1920, 1080]);
-        assert_eq!(size_of("32x18").unwrap(), [32, 18]);
+        assert_eq!(size_of("1080p", "--sizes").unwrap(), [1920, 1080]);
+        assert_eq!(size_of("32x18", "--sizes").unwrap(), [32, 18]);
         assert_eq!(scene_of("clouds-7").unwrap().clouds.len(), 7);
         assert!(!scene_of("field").unwrap().clouds.is_empty());
         for wrong in ["32", "0x9", "9000x9", "axb"] {
-            assert!(size_of(wrong).unwrap_err().to_string().contains(&format!("`{wrong}`")));
+            assert!(size_of(wrong, "--sizes").unwrap_err().to_string().contains(&format!("`{wrong}`")));
         }
         for wrong in ["clouds-0", "clouds-4097", "clouds-", "nothing"] {
             assert!(scene_of(wrong).unwrap_err().to_string().contains(&format!("`{wrong}`")));

@@ -7,11 +7,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use eframe::egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions, mutex::RwLock};
+use eframe::egui::{Context, TextureId};
 use wgpu::{TextureFormat, TextureView};
 
 use super::{
     pace::{Helping, Pace},
+    screen::{Screen, Shelf},
     settings::Layer,
     stage::Stage,
     statistics::Statistics,
@@ -21,13 +22,13 @@ use super::{
 use crate::{
     Error, Result,
     export::Picture,
-    gpu::{self, Gpu, Timing},
+    gpu::{Gpu, Timing},
     render::{Frame, Quality, Renderer, Resolve, Shown},
     scene::Scene,
 };
 
 const LINEAR: TextureFormat = TextureFormat::Rgba16Float;
-const SCREEN: TextureFormat = TextureFormat::Rgba8Unorm;
+pub(super) const SCREEN: TextureFormat = TextureFormat::Rgba8Unorm;
 /// How long the hand rests before the picture is refined.
 const REST: Duration = Duration::from_millis(160);
 /// Where light takes long, as on adapters that are no GPU, the final picture's light waits
@@ -38,47 +39,14 @@ const LONGEST_PATIENCE: Duration = Duration::from_secs(2);
 /// Share of the time of a picture, while something moves, that may go into light.
 const LIGHT_SHARE: f64 = 0.5;
 
-/// Where egui finds what is drawn.
-pub enum Shelf {
-    /// In textures of the window's device.
-    Device(Arc<RwLock<egui_wgpu::Renderer>>),
-    /// In memory: the device is another.
-    Memory,
-}
-
-/// A texture that egui shows.
-pub struct Screen {
-    texture: wgpu::Texture,
-    hung: Hung,
-}
-
-/// How egui knows a texture.
-enum Hung {
-    Texture(TextureId),
-    Pixels(TextureHandle),
-    /// Not yet.
-    Nowhere,
-}
-
-impl Screen {
-    /// Its name for egui.
-    pub fn id(&self) -> Option<TextureId> {
-        match &self.hung {
-            Hung::Texture(id) => Some(*id),
-            Hung::Pixels(handle) => Some(handle.id()),
-            Hung::Nowhere => None,
-        }
-    }
-}
-
 /// Keeps what is shown and draws it anew as needed.
 pub struct Canvas {
-    gpu: Gpu,
-    renderer: Renderer,
+    pub(super) gpu: Gpu,
+    pub(super) renderer: Renderer,
     resolve: Resolve,
-    shelf: Shelf,
+    pub(super) shelf: Shelf,
     /// The window; nothing before the first picture.
-    window: Context,
+    pub(super) window: Context,
     subject: Option<Subject>,
     /// The moment of a scene that was seen last: a camera that moves makes none of its clouds anew.
     moment: Option<(Arc<Scene>, Frame)>,
@@ -97,14 +65,17 @@ pub struct Canvas {
     light: Quality,
     work: Option<Work>,
     /// What 1 stands for in `linear`.
-    unit: f32,
-    linear: Option<wgpu::Texture>,
-    screen: Option<Screen>,
+    pub(super) unit: f32,
+    pub(super) linear: Option<wgpu::Texture>,
+    pub(super) screen: Option<Screen>,
     /// Why there is no new picture.
     pub error: Option<String>,
     /// What was drawn and how long it took.
     pub statistics: Statistics,
 }
+
+/// While something moves, light that is good to this angle of the sun is kept.
+const SLACK_DEG: f64 = 0.5;
 
 impl Canvas {
     /// Draws with `gpu` what `shelf` hands to egui.
@@ -360,6 +331,7 @@ impl Canvas {
         self.renderer.settings.quality =
             Quality { light_resolution, light_cells, shadow_texels, ..stage.quality() };
         self.renderer.settings.lights_at_once = self.lighting.count();
+        self.renderer.settings.light_slack_deg = if stage == Stage::Moving { SLACK_DEG } else { 0.0 };
         let known = self.moment.take().filter(|(scene, _)| Arc::ptr_eq(scene, &subject.scene));
         let made = || Ok::<_, Error>((subject.scene.clone(), subject.frame(size)?));
         let (_, moment) = &*self.moment.insert(known.map_or_else(made, Ok)?);
@@ -424,79 +396,12 @@ impl Canvas {
         Ok(())
     }
 
-    /// Only exposure or tone curve changed.
-    fn compose_again(&mut self) -> Result<()> {
-        let mut slot = self.screen.take();
-        if let (Some(linear), Some(Screen { texture: screen, .. })) = (&self.linear, &slot) {
-            let (mut encoder, tone) = (self.encoder(), self.tone().in_unit(self.unit));
-            self.renderer.compose(&mut encoder, &view(linear), &view(screen), SCREEN, tone);
-            self.gpu.queue.submit([encoder.finish()]);
-            self.hang(&mut slot)?;
-        }
-        self.screen = slot;
-        Ok(())
-    }
-
-    /// Finishes a linear picture for the screen.
-    ///
-    /// # Errors
-    /// [`crate::Error::Gpu`] when the device fails.
-    pub fn compose_into(
-        &mut self,
-        slot: &mut Option<Screen>,
-        linear: &wgpu::Texture,
-        tone: Tone,
-    ) -> Result<()> {
-        let screen = self.fit(slot, [linear.width(), linear.height()]);
-        let mut encoder = self.encoder();
-        self.renderer.compose(&mut encoder, &view(linear), &screen, SCREEN, tone);
-        self.submit(encoder)?;
-        self.hang(slot)
-    }
-
     /// What is behind the clouds of `frame`.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device fails.
     pub fn sky(&mut self, frame: &Frame) -> Result<Picture> {
         self.renderer.sky_picture(&self.gpu, frame)
-    }
-
-    /// The texture of a slot, made anew where its size is another.
-    fn fit(&self, slot: &mut Option<Screen>, size: [u32; 2]) -> TextureView {
-        if let Some(Screen { texture, .. }) = slot
-            && [texture.width(), texture.height()] == size
-        {
-            return view(texture);
-        }
-        let texture = self.renderer.picture("viewport on the screen", size, SCREEN);
-        let target = view(&texture);
-        let mut hung = slot.take().map_or(Hung::Nowhere, |screen| screen.hung);
-        if let Shelf::Device(egui) = &self.shelf {
-            let (mut egui, filter) = (egui.write(), wgpu::FilterMode::Linear);
-            if let Hung::Texture(id) = hung {
-                egui.update_egui_texture_from_wgpu_texture(&self.gpu.device, &target, filter, id);
-            } else {
-                hung = Hung::Texture(egui.register_native_texture(&self.gpu.device, &target, filter));
-            }
-        }
-        *slot = Some(Screen { texture, hung });
-        target
-    }
-
-    /// Takes what was drawn into a slot over to egui, where that does not see the texture itself.
-    fn hang(&self, slot: &mut Option<Screen>) -> Result<()> {
-        let (Some(Screen { texture, hung }), Shelf::Memory) = (slot, &self.shelf) else { return Ok(()) };
-        let bytes = gpu::read_texture(&self.gpu, texture, 0)?;
-        let size = [texture.width(), texture.height()].map(|n| n as usize);
-        let image = ColorImage::from_rgba_premultiplied(size, &bytes);
-        match hung {
-            Hung::Pixels(handle) => handle.set(image, TextureOptions::LINEAR),
-            hung => {
-                *hung = Hung::Pixels(self.window.load_texture("viewport", image, TextureOptions::LINEAR));
-            }
-        }
-        Ok(())
     }
 
     fn abandon(&mut self) {
@@ -517,16 +422,16 @@ impl Canvas {
         Ok(())
     }
 
-    fn encoder(&self) -> wgpu::CommandEncoder {
+    pub(super) fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu.device.create_command_encoder(&Default::default())
     }
 
-    fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+    pub(super) fn submit(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.finish("drawing the viewport")
     }
 }
 
-fn view(texture: &wgpu::Texture) -> TextureView {
+pub(super) fn view(texture: &wgpu::Texture) -> TextureView {
     texture.create_view(&Default::default())
 }

@@ -14,11 +14,7 @@ use std::{
 use eframe::egui::{Context, TextureId, mutex::RwLock};
 
 use super::{
-    canvas::{Canvas, Shelf},
-    error_map::Numbers,
-    statistics::Statistics,
-    subject::Subject,
-    truth::Truth,
+    canvas::Canvas, error_map::Numbers, screen::Shelf, statistics::Statistics, subject::Subject, truth::Truth,
 };
 use crate::{gpu::Gpu, scene::Tone};
 

@@ -19,6 +19,7 @@ mod outline;
 mod overlay;
 mod pace;
 mod pick;
+mod screen;
 mod settings;
 mod space;
 mod stage;

@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 use eframe::egui::{Color32, ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 
 use super::{
-    canvas::{Canvas, Screen},
+    canvas::Canvas,
     easel::TruthSeen,
     error_map::{self, Numbers},
+    screen::Screen,
     subject::Subject,
 };
 use crate::{Result, export::Picture, gpu::Gpu, reference::PathTracer};

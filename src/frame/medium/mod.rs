@@ -5,9 +5,11 @@
 mod atlas;
 mod body;
 mod bricks;
+mod common;
 mod depth_volume;
 mod ellipsoids;
 mod layer;
+mod layer_field;
 mod layer_tile;
 mod mesh;
 mod mixed;
@@ -27,6 +29,7 @@ pub(crate) use body::{BodyUniform, smooth_rise};
 pub(crate) use bricks::Bricks as VolumeBricks;
 #[cfg(test)]
 pub(crate) use bricks::{CELLS as VOLUME_CELLS, LEVELS as VOLUME_LEVELS};
+pub(crate) use common::Common;
 #[cfg(test)]
 pub(crate) use depth_volume::{BrickUniform, CELLS};
 pub(crate) use depth_volume::{DEPTH_VOLUME, DepthVolume, DepthVolumeUniform, Plan};
@@ -37,7 +40,6 @@ pub(crate) use layer_tile::SQUARES;
 pub(crate) use layer_tile::{Tile, TileTextures};
 pub(crate) use mesh::MeshShape;
 pub use mixed::MIXED;
-use mixed::Mixed;
 #[cfg(test)]
 pub(crate) use mixed::{
     MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, PlacedLayerUniform, PlacedMeshUniform,
@@ -55,7 +57,6 @@ pub(crate) use world::{Part, World};
 use crate::{
     Result,
     frame::Shared,
-    gpu,
     gpu::Role,
     scene::{self, Cloud},
 };
@@ -250,6 +251,24 @@ impl Medium {
         Ok(medium)
     }
 
+    /// Whether it is the same but for noise that was carried by no more than `way`, m.
+    pub fn is_near(&self, other: &Self, way: f64) -> bool {
+        let of_noise = [self.noise_at(), other.noise_at()];
+        self.shape == other.shape
+            && self.densest() == other.densest()
+            && BodyUniform { noise: other.body.noise, ..self.body } == other.body
+            && self.is_of_ellipsoids()
+            && other.is_of_ellipsoids()
+            && self.species == other.species
+            && self.scale == other.scale
+            && of_noise[0].distance_to(&of_noise[1], self.body.reach.into()) <= way
+    }
+
+    /// Its noise, shifted as the frame is.
+    fn noise_at(&self) -> scene::Noise {
+        scene::Noise { offset: self.noise.offset - self.origin, ..self.noise.clone() }
+    }
+
     /// Whether its ellipsoids are its shape.
     pub fn is_of_ellipsoids(&self) -> bool {
         self.layer.is_none() && !self.is_held()
@@ -305,115 +324,3 @@ fn steady_depth(cloud: &Cloud) -> f64 {
 /// Depth behind a displaced boundary, in boundaries, down to which droplets are lost, and with it the
 /// depth below the surface: `shaders/lib/density.wgsl`.
 const DILUTED: f64 = 3.0;
-
-/// What every module of a medium binds: the bodies and the noise.
-pub(crate) struct Common {
-    bodies: wgpu::Buffer,
-    noise_volume: wgpu::TextureView,
-    repeat: wgpu::Sampler,
-}
-
-impl Common {
-    pub fn new(device: &wgpu::Device, bodies: &[BodyUniform], noise_volume: wgpu::TextureView) -> Self {
-        Self {
-            bodies: gpu::storage_buffer(device, "bodies", bodies),
-            noise_volume,
-            repeat: gpu::linear_repeat(device),
-        }
-    }
-
-    /// A group in which `first` is binding 0, what is here follows, then `rest`.
-    fn group(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        first: &wgpu::Buffer,
-        rest: &[wgpu::BindingResource<'_>],
-    ) -> wgpu::BindGroup {
-        let mut resources: Vec<_> =
-            [first, &self.bodies].map(|buffer| Some(buffer.as_entire_binding())).into();
-        resources.push(Some(wgpu::BindingResource::TextureView(&self.noise_volume)));
-        resources.push(Some(wgpu::BindingResource::Sampler(&self.repeat)));
-        resources.extend(rest.iter().cloned().map(Some));
-        gpu::bind_group(device, "medium", layout, &resources)
-    }
-
-    /// For `shaders/medium/ellipsoids.wgsl`.
-    pub fn bind_ellipsoids(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        ellipsoids: &[EllipsoidUniform],
-    ) -> wgpu::BindGroup {
-        self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &[])
-    }
-
-    /// For `shaders/medium/layer.wgsl`.
-    pub fn bind_layer(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        layer: &LayerUniform,
-        tile: &TileTextures,
-    ) -> wgpu::BindGroup {
-        let rest = [wgpu::BindingResource::TextureView(&tile.field), tile.peaks.as_entire_binding()];
-        self.group(device, layout, &gpu::uniform_buffer(device, "layer", layer), &rest)
-    }
-
-    /// For `shaders/medium/volume.wgsl`.
-    pub fn bind_volume(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        volume: &VolumeUniform,
-        textures: &VolumeTextures,
-    ) -> wgpu::BindGroup {
-        let sampler = gpu::linear_clamp_flat(device);
-        let rest = [
-            textures.index.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&textures.atlas),
-            wgpu::BindingResource::Sampler(&sampler),
-        ];
-        self.group(device, layout, &gpu::uniform_buffer(device, "volume", volume), &rest)
-    }
-
-    /// For `shaders/medium/mixed.wgsl`.
-    fn bind_mixed(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        ellipsoids: &[EllipsoidUniform],
-        mixed: &Mixed,
-    ) -> wgpu::BindGroup {
-        let sampler = gpu::linear_clamp_flat(device);
-        let texture = |view| wgpu::BindingResource::TextureView(view);
-        let rest = [
-            mixed.uniform.as_entire_binding(),
-            texture(&mixed.fields),
-            texture(&mixed.index),
-            texture(&mixed.atlas),
-            wgpu::BindingResource::Sampler(&sampler),
-            texture(&mixed.depths),
-        ];
-        self.group(device, layout, &gpu::storage_buffer(device, "ellipsoids", ellipsoids), &rest)
-    }
-
-    /// For `shaders/medium/depth_volume.wgsl`.
-    pub fn bind_depths(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        volume: &DepthVolume,
-        densest: f32,
-    ) -> wgpu::BindGroup {
-        let uniform = DepthVolumeUniform { core: densest, ..volume.uniform };
-        let uniform = gpu::uniform_buffer(device, "depth volume", &uniform);
-        let sampler = gpu::linear_clamp_flat(device);
-        let rest = [
-            volume.index.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&volume.atlas),
-            wgpu::BindingResource::Sampler(&sampler),
-        ];
-        self.group(device, layout, &uniform, &rest)
-    }
-}

@@ -16,6 +16,7 @@ mod prepare;
 mod shading;
 #[cfg(feature = "slabs")]
 mod slab_tables;
+mod slack;
 mod store;
 mod sun;
 
@@ -34,4 +35,4 @@ pub use prepare::LightUniform;
 pub(super) use prepare::{Binding, CloudLight};
 #[cfg(feature = "slabs")]
 pub use slab_tables::{DirectTextures, FunctionTextures};
-pub(super) use store::{LightStore, Presence};
+pub(super) use store::{LightStore, Presence, Request};

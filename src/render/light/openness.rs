@@ -12,7 +12,6 @@ use super::{
 use crate::{
     frame::medium::MediumKind,
     gpu::{self, ComputeProgram},
-    render::medium::Media,
 };
 
 /// Optical depth up, down and aside in an upright box.
@@ -29,11 +28,10 @@ impl OpennessPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         key: &BoxKey,
     ) -> Openness {
         let device = inputs.device;
-        let kind = media.kind(&key.medium);
+        let kind = inputs.media.kind(&key.medium);
         let program = self
             .0
             .entry(kind)
@@ -49,7 +47,7 @@ impl OpennessPass {
         resources.push(Some(wgpu::BindingResource::TextureView(&volume)));
         let group = program.bind(device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sky volume"));
-        program.dispatch_over(encoder, &[&group, media.group(&key.medium)], key.voxels, stamps);
+        program.dispatch_over(encoder, &[&group, inputs.media.group(&key.medium)], key.voxels, stamps);
         Openness { volume }
     }
 }

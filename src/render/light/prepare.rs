@@ -11,12 +11,12 @@ use super::{
     model::{Parts, Transport},
     openness::{Openness, OpennessPass},
     plan::Detail,
+    slack::Slack,
     sun::{BoxKey, Shade, SunKey, SunPass, SunVolume},
 };
 use crate::{
     frame::{CloudFrame, SkySettings, medium::SpeciesTextures},
     gpu,
-    render::medium::Media,
 };
 
 /// Columns along an edge of a layer's box over those of other clouds: a period holds many heaps.
@@ -25,11 +25,11 @@ const FINER_COLUMNS: u32 = 4;
 /// What a cloud's light is made for; where that is the same, so is the light.
 #[derive(Clone, PartialEq)]
 pub(super) struct Wanted {
-    sun: Option<SunKey>,
-    openness: Option<BoxKey>,
+    pub(super) sun: Option<SunKey>,
+    pub(super) openness: Option<BoxKey>,
     /// Of light that is solved for; that of the sun depends on `sun`, too.
-    field: Option<FieldKey>,
-    sky_field: Option<(FieldKey, Option<SkySettings>)>,
+    pub(super) field: Option<FieldKey>,
+    pub(super) sky_field: Option<(FieldKey, Option<SkySettings>)>,
 }
 
 impl Wanted {
@@ -155,6 +155,11 @@ impl CloudLight {
         self.made_for == *wanted
     }
 
+    /// Whether it is, or was made for what is near enough.
+    pub(super) fn is_near(&self, wanted: &Wanted, slack: Slack) -> bool {
+        self.is(wanted) || (slack.turn > 0.0 && slack.covers(&self.made_for, wanted))
+    }
+
     /// Whether it has all the parts, if of another moment.
     pub(super) fn stands_in_for(&self, wanted: &Wanted) -> bool {
         let parts = |w: &Wanted| {
@@ -240,7 +245,6 @@ impl LightPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         wanted: Wanted,
         before: Option<CloudLight>,
         alone: Option<SunVolume>,
@@ -255,8 +259,7 @@ impl LightPass {
                     return SunVolume::dark(inputs);
                 }
                 let alone = alone.or(known.alone.take());
-                let alone =
-                    alone.unwrap_or_else(|| self.sun.make(encoder, inputs, media, &key.of, key.mapped));
+                let alone = alone.unwrap_or_else(|| self.sun.make(encoder, inputs, &key.of, key.mapped));
                 let volume = self.sun.shade(encoder, inputs, key, &alone.volume, others);
                 SunVolume { volume, ..alone }
             })
@@ -264,7 +267,7 @@ impl LightPass {
         let openness = wanted.openness.as_ref().map(|key| {
             known.openness.take().unwrap_or_else(|| {
                 *redone += 1;
-                self.openness.make(encoder, inputs, media, key)
+                self.openness.make(encoder, inputs, key)
             })
         });
         let field = wanted.field.as_ref().zip(wanted.sun.as_ref()).zip(sun.as_ref());
@@ -273,16 +276,7 @@ impl LightPass {
             let light = (&sun_key.of, &sun.volume);
             let mut count = || *redone += 1;
             let sky = wanted.sky_field.as_ref().map(|(key, _)| key);
-            pass.make(
-                encoder,
-                inputs,
-                media,
-                key,
-                sky,
-                light,
-                (known.field_of_sun, known.field_of_sky),
-                &mut count,
-            )
+            pass.make(encoder, inputs, key, sky, light, (known.field_of_sun, known.field_of_sky), &mut count)
         });
         CloudLight::new(wanted, sun, openness, field)
     }

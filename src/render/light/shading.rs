@@ -11,10 +11,7 @@ use super::{
     prepare::{CloudLight, box_of},
     sun::{BoxKey, Shade, SunPass, SunVolume},
 };
-use crate::{
-    frame::{CloudFrame, Frame},
-    render::medium::Media,
-};
+use crate::frame::{CloudFrame, Frame};
 
 /// What the clouds of a frame cast their shadows with.
 pub(super) struct Shading<'a> {
@@ -85,7 +82,6 @@ impl Ahead {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         (shading, number): (&Shading<'_>, usize),
         (pass, light): (&mut SunPass, impl Fn(usize) -> Option<&'l CloudLight>),
     ) -> Vec<TextureView> {
@@ -95,7 +91,7 @@ impl Ahead {
                 return Some(view.clone());
             }
             let known = self.take(other, Some(of));
-            let made = known.unwrap_or_else(|| pass.make(encoder, inputs, media, of, inputs.needs.maps));
+            let made = known.unwrap_or_else(|| pass.make(encoder, inputs, of, inputs.needs.maps));
             let view = made.volume.clone();
             self.0.insert(other, (of.clone(), made));
             Some(view)

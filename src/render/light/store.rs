@@ -11,10 +11,11 @@ use super::{
     plan::{Detail, allowance, plan},
     prepare::{CloudLight, LightPass, Wanted, box_of},
     shading::{Ahead, Shading},
+    slack::Slack,
 };
 use crate::{
     frame::{CloudFrame, Frame},
-    render::{Quality, medium::Media, shadow::Caster},
+    render::{Quality, shadow::Caster},
 };
 
 /// Where a cloud is, exactly: light that was made for it is found again by this, whichever
@@ -49,6 +50,17 @@ pub(in crate::render) enum Presence {
     /// Its shadow may be.
     Shading,
     Away,
+}
+
+/// What is asked of the light of a frame.
+pub(in crate::render) struct Request<'a> {
+    pub frame: &'a Frame,
+    pub quality: &'a Quality,
+    pub presence: &'a [Presence],
+    /// Which clouds stand before each.
+    pub before: &'a [Vec<u32>],
+    /// Clouds whose light is made, at most.
+    pub most: u32,
 }
 
 /// Light by cloud.
@@ -125,22 +137,16 @@ impl LightStore {
         self.lights.iter().flatten().chain(&self.away).map(|kept| kept.light.bytes()).sum()
     }
 
-    /// Makes what the clouds lack of light by their `presence`, for `most` clouds: those first that have none or
-    /// the oldest. Each is in the shadow of those `before` it. `flush` may submit what is recorded so
+    /// Makes what the clouds lack of light: those first that have none or the oldest. `flush` may submit what is recorded so
     /// far, now and then, and end it.
-    #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
-        frame: &Frame,
-        quality: &Quality,
-        presence: &[Presence],
-        before: &[Vec<u32>],
-        most: u32,
+        request: &Request<'_>,
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
+        let &Request { frame, quality, presence, .. } = request;
         self.pictures += 1;
         let same = self.moment.as_ref().is_some_and(|moment| moment.is(inputs, frame));
         if !same {
@@ -154,25 +160,21 @@ impl LightStore {
         let asked = Asked { moment: self.moments, presence: presence.to_vec(), details, allowance };
         if self.waiting > 0 || self.asked.as_ref() != Some(&asked) {
             self.waiting = 0;
-            self.make(encoder, inputs, media, frame, &asked, same, before, most, flush);
+            self.make(encoder, inputs, request, &asked, same, flush);
             self.casters = self.found_casters(frame);
             self.asked = Some(asked);
         }
         self.see(encoder, inputs, frame, &in_view);
     }
 
-    /// Goes through all clouds: takes over what is good, and makes the rest.
-    #[allow(clippy::too_many_arguments, reason = "light, clouds, and how much of it")]
+    /// Goes through all clouds: takes over what is good, and makes the rest. `same` tells whether they are where they were.
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
-        frame: &Frame,
+        &Request { frame, before, most, .. }: &Request<'_>,
         asked: &Asked,
         same: bool,
-        before: &[Vec<u32>],
-        most: u32,
         flush: &mut dyn FnMut(&mut wgpu::CommandEncoder) -> bool,
     ) {
         let (mut known, mut rest) = if same { self.found_again(frame) } else { self.found(frame) };
@@ -231,7 +233,8 @@ impl LightStore {
                     continue;
                 }
             };
-            let is_current = before.as_ref().is_some_and(|kept| kept.light.is(&wanted));
+            let slack = Slack::new(inputs.slack_deg, cloud.half);
+            let is_current = before.as_ref().is_some_and(|kept| kept.light.is_near(&wanted, slack));
             self.lights[index] = if is_current || left == 0 {
                 self.waiting += u32::from(!is_current);
                 let place = place(cloud);
@@ -249,14 +252,14 @@ impl LightStore {
                 let shades = !wanted.shades().is_empty();
                 let others = if shades {
                     let (of, made) = ((&shading, index), (&mut self.pass.sun, light));
-                    self.ahead.before(encoder, inputs, media, of, made)
+                    self.ahead.before(encoder, inputs, of, made)
                 } else {
                     Vec::new()
                 };
                 let alone = self.ahead.take(index, shading.of(index));
                 let before = before.map(|kept| kept.light);
                 let redone = &mut self.redone;
-                let light = self.pass.prepare(encoder, inputs, media, wanted, before, alone, &others, redone);
+                let light = self.pass.prepare(encoder, inputs, wanted, before, alone, &others, redone);
                 left -= 1;
                 recorded += light.bytes();
                 if recorded >= ENOUGH {

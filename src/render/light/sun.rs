@@ -13,7 +13,6 @@ use crate::{
         medium::{Medium, MediumKind},
     },
     gpu::{self, ComputeProgram, TextureDesc},
-    render::medium::Media,
 };
 
 /// What a volume in a light box depends on.
@@ -87,7 +86,6 @@ impl SunPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         key: &BoxKey,
         mapped: bool,
     ) -> SunVolume {
@@ -97,7 +95,7 @@ impl SunPass {
         let volume = gpu::view(&volume(device, "sun volume", *voxels));
         let map_resolution = if mapped { resolution } else { 1 };
         let depths = map(device, "sun depths", map_resolution);
-        let kind = media.kind(medium);
+        let kind = inputs.media.kind(medium);
         let program = self.volumes.entry((kind, mapped)).or_insert_with(|| {
             let overrides = [("MAPPED", f64::from(u8::from(mapped)))];
             ComputeProgram::with_roles(device, "sun_maps", &[kind.role()], &overrides)
@@ -114,7 +112,12 @@ impl SunPass {
         resources.extend([&volume, &depths_0].map(|view| Some(wgpu::BindingResource::TextureView(view))));
         let group = program.bind(device, &resources);
         let stamps = inputs.timing.and_then(|timing| timing.compute("sun maps"));
-        program.dispatch_over(encoder, &[&group, media.group(medium)], [resolution, resolution, 1], stamps);
+        program.dispatch_over(
+            encoder,
+            &[&group, inputs.media.group(medium)],
+            [resolution, resolution, 1],
+            stamps,
+        );
         let maps = mapped.then(|| {
             let pass = self.maps.get_or_insert_with(|| MapsPass::new(device));
             pass.finish(encoder, inputs, &uniform, depths)

@@ -6,7 +6,7 @@ use crate::{
     gpu::Timing,
     render::{
         SceneDepth, Settings,
-        light::{Inputs, LightStore, Occluders, Presence},
+        light::{Inputs, LightStore, Occluders, Presence, Request},
         march::{Counters, Cover, Crossings, Draw, March, VISIBILITY},
         medium::Media,
         shadow::{ShadowInputs, Shadows, may_shade},
@@ -143,20 +143,28 @@ impl Lamp {
         sky: Option<&Sky>,
         flush: Flush<'_>,
     ) {
-        let Settings { quality, transport, lights_at_once, .. } = room.settings;
+        let Settings { quality, transport, lights_at_once, light_slack_deg, .. } = room.settings;
         let own = sky.unwrap_or(&self.sky);
         let inputs = Inputs {
             device: room.device,
             queue: room.queue,
+            media: room.media,
             to_sun: frame.sun.to_sun,
             by: frame.by,
             needs: transport.0.needs,
             lit_by_sky: frame.by == LitBy::Sky && own.lights(),
             sky: own,
+            slack_deg: *light_slack_deg,
             timing: room.timing,
         };
-        let (presence, before, most) = (&self.presence, self.before.lists(), *lights_at_once);
-        self.clouds.prepare(encoder, &inputs, room.media, frame, quality, presence, before, most, flush);
+        let asked = Request {
+            frame,
+            quality,
+            presence: &self.presence,
+            before: self.before.lists(),
+            most: *lights_at_once,
+        };
+        self.clouds.prepare(encoder, &inputs, &asked, flush);
         self.prepare_shadows(room, encoder, frame);
     }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use wgpu::TextureView;
 
 use super::{
-    Draw, Drawn, Flush, HDR, Layers, LightLayers, Matte, Renderer, Target, Way, clear, matte::MatteTarget,
-    view,
+    Draw, Drawn, Flush, HDR, Layers, LightLayers, Matte, Renderer, Target, Way, clear, draws::in_order,
+    matte::MatteTarget, view,
 };
 use crate::{
     Result,
@@ -62,11 +62,6 @@ struct Places {
     distance: wgpu::Texture,
     normal: wgpu::Texture,
     mattes: Vec<Matte>,
-}
-
-/// Without the numbers of the clouds.
-pub(super) fn in_order(draws: Vec<(usize, Draw)>) -> Arc<[Draw]> {
-    draws.into_iter().map(|(_, draw)| draw).collect()
 }
 
 impl Pieces {

@@ -51,6 +51,15 @@ impl Between {
     pub const NONE: Self =
         Self { rows: [[0.0; LEVELS]; LEVELS], through: [1.0; LEVELS], sun: [0.0; LEVELS], beam: 1.0 };
 
+    /// Whether no number differs by more than `share`.
+    pub fn is_near(&self, other: &Self, share: f64) -> bool {
+        let numbers = |b: &Self| {
+            let rows = b.rows.into_iter().flatten();
+            rows.chain(b.through).chain(b.sun).chain([b.beam]).collect::<Vec<_>>()
+        };
+        numbers(self).into_iter().zip(numbers(other)).all(|(a, b)| f64::from((a - b).abs()) <= share)
+    }
+
     /// The same for light of the sky, to which the sun is nothing.
     pub fn of_sky(self) -> Self {
         Self { sun: [0.0; LEVELS], beam: 0.0, ..self }

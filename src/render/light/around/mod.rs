@@ -29,6 +29,12 @@ impl Around {
         Self { between: self.between.map(Between::of_sky), beside: self.beside.clone() }
     }
 
+    /// Whether both do the same to light but for this share of it.
+    pub fn is_near(&self, other: &Self, share: f64) -> bool {
+        let [a, b] = [self, other].map(|around| around.between.unwrap_or(Between::NONE));
+        self.beside == other.beside && a.is_near(&b, share)
+    }
+
     /// Whether light comes in as if nothing else were there.
     pub fn is_nothing(&self) -> bool {
         self.between.is_none() && self.beside.is_none()

@@ -37,7 +37,6 @@ use crate::{
         medium::{Medium, MediumKind},
     },
     gpu::{self, ComputeProgram},
-    render::medium::Media,
 };
 pub(super) use levels::FieldBox;
 pub use levels::FieldUniform;
@@ -151,7 +150,6 @@ impl FieldPass {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         key: &FieldKey,
         sky: Option<&FieldKey>,
         sun: (&BoxKey, &TextureView),
@@ -165,20 +163,18 @@ impl FieldPass {
             if told.is_none() && !key.around.is_nothing() {
                 told = Some(key.around.told(inputs.to_sun));
             }
-            self.solve(encoder, inputs, media, key, (told.as_ref(), cells), sun, lights)
+            self.solve(encoder, inputs, key, (told.as_ref(), cells), sun, lights)
         };
         let sun = known_sun.unwrap_or_else(|| solve(Lights::Sun, key.cells));
         let sky = sky.map(|key| known_sky.unwrap_or_else(|| solve(Lights::Sky, key.cells)));
         Field { field_box: FieldBox::new(&key.medium), sun, sky }
     }
 
-    #[allow(clippy::too_many_arguments, reason = "where, what, and on how many cells")]
     /// Solves for `lights` in a medium, `most` cells along its longest axis, among what is `told` of its surroundings.
     fn solve(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
-        media: &Media,
         FieldKey { medium, flash, .. }: &FieldKey,
         (told, most): (Option<&Told>, u32),
         (sun, sun_volume): (&BoxKey, &TextureView),
@@ -189,7 +185,7 @@ impl FieldPass {
         let numbers = u64::from(field_box.size(most).element_product() * lights.count()) * DIRECTIONS as u64;
         let scratch = self.scratch(device, numbers * size_of::<f32>() as u64);
         let bricks = Bricks::of(&sun.light_box, medium, sun.voxels);
-        let kind = media.kind(medium);
+        let kind = inputs.media.kind(medium);
         self.media
             .entry(kind)
             .or_insert_with(|| ComputeProgram::with_roles(device, "moments_medium", &[kind.role()], &[]));
@@ -222,7 +218,7 @@ impl FieldPass {
             lights,
             species: &medium.species,
             densest: medium.densest(),
-            medium: (&self.media[&kind], media.group(medium)),
+            medium: (&self.media[&kind], inputs.media.group(medium)),
             sun_box: gpu::uniform_buffer(device, "sun box", &sun.light_box),
             lists: gpu::storage_buffer(device, "bricks", &bricks.lists),
             candidates: gpu::storage_buffer(device, "ellipsoids of bricks", &bricks.candidates),
