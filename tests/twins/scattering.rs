@@ -160,6 +160,15 @@ fn transmittances() -> Vec<Twin> {
         .edges(grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]))
         .over("all", stretch)
         .over("alike", alike),
+        Twin::new("phase_row", "phase", "return vec4f(phase_row() + 0.0 * x[0].x);", |_| one(0.5 / 7.0))
+            .edges(plane(&[0.0], &[0.0])),
+        Twin::new("peak_row", "phase", "return vec4f(peak_row(x[0].x));", |x| {
+            // The middles of six rows after the first of seven, at 0 to 1 by fifths of m / (m + 2).
+            let share = 1.0 - 2.0 / (x[0][0] + 2.0);
+            one((1.0 + 0.5 + 5.0 * share) / 7.0)
+        })
+        .edges(plane(&[0.0, 0.5, 2.0, 8.0, 1e4], &[0.0]))
+        .over("all", |random| scalars([random.log(1e-6, 1e5)])),
         Twin::new("recovered_peak", "phase", "return vec4f(recovered_peak(x[0].x, x[0].y));", |x| {
             let [tau, chop, ..] = x[0];
             // Light that the peak scattered at depth s and nothing else touched, added up over orders:

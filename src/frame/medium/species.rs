@@ -17,6 +17,7 @@ use crate::{
         peak::Chopped,
         phase::{Phase, angle_at},
         slab::{Medium, angles::legendre_polynomials, axes::path_at, moments},
+        widening::Widening,
     },
     scene::{self, Droplets},
 };
@@ -51,8 +52,8 @@ pub(crate) struct Species {
     pub asymmetry: f32,
     /// Single-scattering albedo of the medium without the peak.
     pub albedo: f32,
-    /// Two rows of RGB and one unused, per steradian: albedo times phase function of the
-    /// medium without peak, and the peak itself, normalised.
+    /// Rows of RGB and one unused, per steradian: albedo times phase function of the medium without peak, and the peak
+    /// itself, normalised, as it is by how often light is scattered in it ([`PEAKS`]).
     pub table: Vec<[f16; 4]>,
     /// Optical depth in the medium of the slab table that is like one of this: what scatters
     /// more sharply forward counts for less.
@@ -69,6 +70,11 @@ pub(crate) struct Species {
     /// The same as `remainder` beyond such a grid: what went straight on there, too.
     pub beyond: Vec<[f16; 4]>,
 }
+
+/// Rows of the peak by its optical depth, `peak_coordinate` of `shaders/lib/phase.wgsl`: `PEAKS` there.
+const PEAKS: usize = 6;
+/// The optical depth of the last one, which stands for any greater: almost no light goes through it in the peak alone.
+const DEEPEST_PEAK: f64 = 24.0;
 
 /// Texels of the remainder along the scattering angle and along the optical depth.
 const REMAINDER: [usize; 2] = [256, 48];
@@ -111,7 +117,6 @@ impl Species {
         let chopped = Chopped::new(Phase::of(droplets)?);
         let truncated = droplets.albedo * chopped.f;
         let wide = |channel, theta| droplets.albedo * chopped.wide(channel, theta) / (1.0 - truncated);
-        let peak = |channel, theta| chopped.peak(channel, theta) / chopped.f.max(1e-9);
         let is_sharp = droplets.species != scene::Species::Water;
         let row = |value: &dyn Fn(usize, f64) -> f64| -> Vec<[f16; 4]> {
             let texel = |theta| {
@@ -125,6 +130,7 @@ impl Species {
             };
             angles(ANGLES).map(texel).collect()
         };
+        let peaks = peaks(&chopped, is_sharp, &row);
         let degree = degree(chopped.phase(), droplets);
         let media =
             Medium::of_channels(|theta| [0, 1, 2].map(|channel| chopped.wide(channel, theta)), degree);
@@ -145,7 +151,7 @@ impl Species {
             truncated: truncated as f32,
             asymmetry: chopped.asymmetry[1] as f32,
             albedo: albedo as f32,
-            table: [row(&wide), row(&peak)].concat(),
+            table: [row(&wide), peaks].concat(),
         })
     }
 
@@ -188,6 +194,28 @@ pub(crate) struct SpeciesTextures {
     #[cfg(feature = "slabs")]
     pub remainder: wgpu::TextureView,
     pub beyond: wgpu::TextureView,
+}
+
+/// Rows of the peak. Those of what is larger than droplets are narrower than the sun's disc, and stay as they are.
+fn peaks(
+    chopped: &Chopped,
+    is_sharp: bool,
+    row: &(impl Fn(&dyn Fn(usize, f64) -> f64) -> Vec<[f16; 4]> + Sync),
+) -> Vec<[f16; 4]> {
+    let peak = |channel: usize, theta: f64| chopped.peak(channel, theta).max(0.0) / chopped.f.max(1e-9);
+    if is_sharp || chopped.f == 0.0 {
+        return row(&peak).repeat(PEAKS);
+    }
+    let channels: [_; 3] = std::array::from_fn(|channel| {
+        Widening::new(move |theta| peak(channel, theta), chopped.cut_deg[channel].to_radians())
+    });
+    let after = |number: usize| {
+        let share = number as f64 / (PEAKS - 1) as f64;
+        let depth = (2.0 * share / (1.0 - share)).min(DEEPEST_PEAK);
+        let widened = channels.each_ref().map(|channel| channel.after(depth));
+        row(&|channel, theta| widened[channel].at(theta))
+    };
+    (0..PEAKS).into_par_iter().flat_map_iter(after).collect()
 }
 
 /// What of the extinction goes straight on when degrees 0 to 3 tell the phase function: the

@@ -29,6 +29,7 @@ pub(crate) use bricks::BRICK;
 pub use field::FieldUniform;
 pub(super) use inputs::Inputs;
 pub use model::Transport;
+pub(super) use moment::Clouds;
 pub(super) use occluders::{Occluders, begins_before};
 #[cfg(test)]
 pub use prepare::LightUniform;

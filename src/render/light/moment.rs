@@ -8,7 +8,7 @@ use crate::frame::{CloudFrame, Frame, LitBy, Shared, SkySettings, medium::Medium
 
 /// The clouds of a frame: what they are and where.
 #[derive(Default)]
-pub(super) struct Clouds(Vec<(DVec3, Shared<Medium>)>);
+pub(in crate::render) struct Clouds(Vec<(DVec3, Shared<Medium>)>);
 
 impl Clouds {
     pub fn of(frame: &Frame) -> Self {

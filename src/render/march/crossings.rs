@@ -3,11 +3,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::tiles::{Cover, Tile};
 use crate::{
-    frame::{CloudFrame, Frame},
+    frame::{CloudFrame, Frame, medium::EllipsoidUniform},
     gpu::Made,
 };
 
@@ -33,21 +33,68 @@ pub(in crate::render) struct Crossed {
     pub alone: u32,
 }
 
-/// Which clouds may cross others: their boxes meet.
-pub(in crate::render) fn may_cross(clouds: &[CloudFrame]) -> Vec<bool> {
-    let boxes: Vec<_> = clouds.iter().map(bounds).collect();
-    let mut order: Vec<usize> = (0..clouds.len()).collect();
-    order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
-    let mut crosses = vec![false; clouds.len()];
-    for (place, &a) in order.iter().enumerate() {
-        let near = order[place + 1..].iter().take_while(|&&b| boxes[b].0.x < boxes[a].1.x);
-        for &b in near {
-            if boxes[a].0.cmplt(boxes[b].1).all() && boxes[b].0.cmplt(boxes[a].1).all() {
-                (crosses[a], crosses[b]) = (true, true);
+/// Which clouds touch which.
+#[derive(Debug, Default)]
+pub(in crate::render) struct Touching {
+    /// Of each those with greater numbers.
+    after: Vec<Vec<u32>>,
+    any: Vec<bool>,
+}
+
+impl Touching {
+    /// Those of `clouds` whose lumps reach into one another.
+    pub fn find(clouds: &[CloudFrame]) -> Self {
+        let boxes: Vec<_> = clouds.iter().map(bounds).collect();
+        let mut order: Vec<usize> = (0..clouds.len()).collect();
+        order.sort_by(|&a, &b| boxes[a].0.x.total_cmp(&boxes[b].0.x));
+        let mut found = Self { after: vec![Vec::new(); clouds.len()], any: vec![false; clouds.len()] };
+        for (place, &a) in order.iter().enumerate() {
+            let near = order[place + 1..].iter().take_while(|&&b| boxes[b].0.x < boxes[a].1.x);
+            for &b in near {
+                let meet = boxes[a].0.cmplt(boxes[b].1).all() && boxes[b].0.cmplt(boxes[a].1).all();
+                if meet && touch(&clouds[a], &clouds[b]) {
+                    found.after[a.min(b)].push(a.max(b) as u32);
+                    (found.any[a], found.any[b]) = (true, true);
+                }
             }
         }
+        found
     }
-    crosses
+
+    /// Whether a cloud touches any other.
+    pub fn any(&self, cloud: usize) -> bool {
+        self.any[cloud]
+    }
+
+    fn are(&self, a: usize, b: usize) -> bool {
+        self.after[a.min(b)].contains(&(a.max(b) as u32))
+    }
+}
+
+/// Whether two clouds whose boxes meet have lumps that reach into one another.
+fn touch(a: &CloudFrame, b: &CloudFrame) -> bool {
+    if a.medium.layer.is_some() || b.medium.layer.is_some() {
+        return true;
+    }
+    let offset = (b.origin - a.origin).as_vec3();
+    let (half_a, half_b) = (a.half.as_vec3(), b.half.as_vec3());
+    // Those of each in the box of the other, in the frame of the first.
+    let near = |e: &&EllipsoidUniform, shift: Vec3, middle: Vec3, half: Vec3| {
+        ((e.center + shift - middle).abs() - half).max_element() < e.largest_radius()
+    };
+    let of_a: Vec<_> = a.medium.ellipsoids.iter().filter(|e| near(e, Vec3::ZERO, offset, half_b)).collect();
+    let of_b: Vec<_> = b.medium.ellipsoids.iter().filter(|e| near(e, offset, Vec3::ZERO, half_a)).collect();
+    of_a.iter().any(|one| of_b.iter().any(|other| reach(one, other, other.center + offset - one.center)))
+}
+
+/// Whether two ellipsoids reach into one another along the line between their middles.
+fn reach(one: &EllipsoidUniform, other: &EllipsoidUniform, between: Vec3) -> bool {
+    let distance = between.length();
+    if distance > one.largest_radius() + other.largest_radius() {
+        return false;
+    }
+    let way = between.normalize_or(Vec3::Y);
+    distance < one.support(way) + other.support(way)
 }
 
 /// Corners of a cloud's box; a layer has no end.
@@ -77,7 +124,13 @@ struct Cells {
 
 impl Crossings {
     /// Those of clouds in this order of drawing, far ones first, of whose tiles distances are known.
-    pub fn find(device: &wgpu::Device, frame: &Frame, order: &[usize], covers: &[Cover]) -> Self {
+    pub fn find(
+        device: &wgpu::Device,
+        frame: &Frame,
+        touching: &Touching,
+        order: &[usize],
+        covers: &[Cover],
+    ) -> Self {
         let mut found = Self::default();
         let order: Vec<_> = order.iter().copied().filter(|&cloud| !covers[cloud].depths.is_empty()).collect();
         if order.len() < 2 {
@@ -87,7 +140,7 @@ impl Crossings {
         let mut crossed: HashMap<usize, HashSet<u32>> = HashMap::new();
         let mut cells = Cells::new(frame, &order, covers);
         for (cell, spans) in cells.spans.iter_mut().enumerate() {
-            join(spans);
+            join(spans, touching);
             for first in 0..spans.len() {
                 let members: Vec<_> = spans.iter().filter(|span| span.first == first).collect();
                 if members.len() < 2 {
@@ -205,12 +258,12 @@ fn add_tile(spans: &mut Vec<Span>, cloud: usize, tile: usize, area: [u32; 4], [n
     }
 }
 
-/// Joins those of a cell, far ones first, of which one is not wholly beyond one that is drawn after it.
-fn join(spans: &mut [Span]) {
+/// Joins those of a cell, far ones first, that touch and of which one is not wholly beyond the one that is drawn after it.
+fn join(spans: &mut [Span], touching: &Touching) {
     for b in 1..spans.len() {
         for a in 0..b {
             let (one, other) = (spans[a].first, spans[b].first);
-            if spans[a].near < spans[b].far && one != other {
+            if spans[a].near < spans[b].far && one != other && touching.are(spans[a].cloud, spans[b].cloud) {
                 let (low, high) = (one.min(other), one.max(other));
                 spans.iter_mut().filter(|span| span.first == high).for_each(|span| span.first = low);
             }

@@ -16,7 +16,7 @@ use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
 pub use counts::Counts;
-pub(super) use crossings::{Crossings, may_cross};
+pub(super) use crossings::{Crossings, Touching};
 pub(super) use parts::Parts;
 #[cfg(test)]
 pub(crate) use tiles::Tile;

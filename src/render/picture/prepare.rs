@@ -10,7 +10,8 @@ use crate::{
     frame::{CloudFrame, Frame, LitBy},
     render::{
         Settings,
-        march::{Cover, Crossings, Draw, MANY, Parts, Seen, may_cross},
+        light::Clouds,
+        march::{Cover, Crossings, Draw, MANY, Parts, Seen, Touching},
     },
 };
 
@@ -40,6 +41,9 @@ pub(super) struct Drawn {
 pub(super) struct Covers {
     parts: Option<Parts>,
     all: Vec<Cover>,
+    /// Which clouds touch, and of which clouds that is.
+    touching: Touching,
+    of: Clouds,
 }
 
 impl Covers {
@@ -51,9 +55,14 @@ impl Covers {
     fn find(&mut self, frame: &Frame, baked: &[bool]) {
         let known = self.parts.take().filter(|parts| parts.are_of(&frame.camera));
         let parts = &*self.parts.insert(known.unwrap_or_else(|| Parts::new(&frame.camera)));
-        let crosses = may_cross(&frame.clouds);
-        let cover = |((cloud, &baked), &crosses)| cover(parts, frame, cloud, baked, crosses);
-        frame.clouds.par_iter().zip(baked).zip(&crosses).map(cover).collect_into_vec(&mut self.all);
+        if !self.of.are_of(frame) {
+            (self.of, self.touching) = (Clouds::of(frame), Touching::find(&frame.clouds));
+        }
+        let touching = &self.touching;
+        let cover = |(number, (cloud, &baked)): (usize, (&CloudFrame, &bool))| {
+            cover(parts, frame, cloud, baked, touching.any(number))
+        };
+        frame.clouds.par_iter().zip(baked).enumerate().map(cover).collect_into_vec(&mut self.all);
     }
 }
 
@@ -144,9 +153,12 @@ impl Renderer {
 
     /// Where clouds that have their light cross.
     fn find_crossings(&mut self, frame: &Frame) -> Crossings {
+        if !self.settings.crossings {
+            return Crossings::default();
+        }
         let mut order = far_to_near(frame);
         order.retain(|&cloud| self.sun.is_ready(cloud));
-        Crossings::find(&self.device, frame, &order, self.covers.all())
+        Crossings::find(&self.device, frame, &self.covers.touching, &order, self.covers.all())
     }
 
     /// Finds where the clouds are in the picture, where they or the camera moved, and keeps what it was prepared for.
