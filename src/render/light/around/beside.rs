@@ -14,6 +14,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::{
     super::field::{DIRECTIONS, patches},
@@ -32,6 +33,8 @@ const FAR: f64 = 12.0;
 pub(super) struct Bodies<'a> {
     clouds: &'a [CloudFrame],
     bodies: Vec<Option<Body>>,
+    /// Number, place in the world and radius of each that there is: thousands are asked for each other.
+    places: Vec<(usize, DVec3, f64)>,
     ground: Option<f64>,
 }
 
@@ -39,28 +42,37 @@ impl<'a> Bodies<'a> {
     /// Those of `frame`; `grounded` tells whether its ground is lit.
     pub fn of(frame: &'a Frame, grounded: bool) -> Self {
         let clouds = &frame.clouds;
-        let bodies = clouds.iter().map(Body::of).collect();
-        Self { clouds, bodies, ground: grounded.then_some(frame.ground) }
+        let mut bodies: Vec<Option<Body>> = Vec::new();
+        clouds.par_iter().map(Body::of).collect_into_vec(&mut bodies);
+        let place = |(number, body): (usize, &Option<Body>)| {
+            let body = body.as_ref()?;
+            Some((number, clouds[number].origin + body.middle, body.radius()))
+        };
+        let places = bodies.iter().enumerate().filter_map(place).collect();
+        Self { clouds, bodies, places, ground: grounded.then_some(frame.ground) }
     }
 
     /// What they do to the light that comes to cloud `number`; none where nothing is near.
     pub fn beside(&self, number: usize) -> Option<Beside> {
         let own = self.bodies[number].clone()?;
         let cloud = &self.clouds[number];
-        let mut near: Vec<(f64, Body)> = Vec::new();
-        for (other, body) in self.bodies.iter().enumerate() {
-            let Some(body) = body.as_ref().filter(|_| other != number) else { continue };
-            let offset = self.clouds[other].origin - cloud.origin;
-            let size = body.radius() / (offset + body.middle - own.middle).length().max(1e-3);
-            if size * FAR >= 1.0 {
-                near.push((size, body.at(offset)));
+        let here = cloud.origin + own.middle;
+        let mut near: Vec<(f64, usize)> = Vec::new();
+        for &(other, place, radius) in &self.places {
+            let distance = (place - here).length_squared();
+            if other != number && distance <= (FAR * radius).powi(2) {
+                near.push((radius / distance.sqrt().max(1e-3), other));
             }
         }
-        near.sort_by(|a, b| b.0.total_cmp(&a.0));
+        near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         near.truncate(MOST);
         let ground = self.ground.map(|ground| own.rounded(DVec3::Y * (ground - cloud.origin.y)).y);
         let is_alone = near.is_empty() && ground.is_none();
-        let others = near.into_iter().map(|(_, body)| body).collect();
+        let seen = |(_, other): (f64, usize)| {
+            let offset = self.clouds[other].origin - cloud.origin;
+            self.bodies[other].as_ref().map(|body| body.at(offset))
+        };
+        let others = near.into_iter().filter_map(seen).collect();
         (!is_alone).then_some(Beside { own, others, ground })
     }
 }
