@@ -182,3 +182,31 @@ fn what_speed_is_not_told_of_is_told() {
         assert!(text.contains(reason) && !text.contains("panicked"), "{text}");
     }
 }
+
+#[test]
+fn the_program_tells_what_kept_light_is_off_by() {
+    let words = [
+        "bench", "moving", "--scenes", "sphere", "--size", "16x9", "--frames", "3", "--slack", "0,1",
+        "--json",
+    ];
+    let output = nephos(&words).success().get_output().stdout.clone();
+    let report: serde_json::Value = serde_json::from_slice(&output).unwrap();
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 4);
+    for pair in rows.chunks(2) {
+        let [exact, kept] = [&pair[0], &pair[1]]
+            .map(|row| ["made", "rmse", "most", "jump", "mean_ms"].map(|what| row[what].as_f64().unwrap()));
+        assert_eq!(exact[..4], [1.0, 0.0, 0.0, 0.0], "{pair:?}");
+        assert!(kept[0] < 1.0 && kept[1] < 0.02 && kept[4] > 0.0, "{pair:?}");
+    }
+    for (words, reason) in [
+        (["--slack", "91"], "`91` is no number from 0 to 90"),
+        (["--slack", "nan"], "`nan` is no number"),
+        (["--size", "8k"], "--size knows no `8k`"),
+    ] {
+        let output =
+            nephos(&[&["bench", "moving"], &words[..]].concat()).failure().get_output().stderr.clone();
+        let text = String::from_utf8(output).unwrap();
+        assert!(text.contains(reason) && !text.contains("panicked"), "{text}");
+    }
+}
