@@ -246,7 +246,10 @@ fn truth_has_the_same_lights() {
     let spread = 4.0 * as_sun.1.hypot(as_key.1);
     assert!((as_sun.0[1] - as_key.0[1]).abs() < spread, "{as_sun:?} {as_key:?}");
     // Truth of lightning, and the model that solves for it: in the middle, and half outside.
-    let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::MOMENTS);
+    let mut renderer = renderer(
+        Quality { jitter: false, light_resolution: 32, light_cells: 32, ..Quality::PREVIEW },
+        Transport::MOMENTS,
+    );
     for (x, bound) in [(10.0, 0.1), (110.0, 0.25)] {
         let mut bolt = flash(3.0);
         if let LightSource::Lightning(flash) = &mut bolt.source {
@@ -293,7 +296,10 @@ fn a_ball_gives_off_what_a_flash_in_its_middle_does_but_for_what_goes_straight_o
         let error =
             estimate.error.iter().map(|error| (f64::from(error[1]) * area).powi(2)).sum::<f64>().sqrt();
         let error = error / wanted;
-        let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::MOMENTS);
+        let mut renderer = renderer(
+            Quality { jitter: false, light_resolution: 40, light_cells: 40, ..Quality::PREVIEW },
+            Transport::MOMENTS,
+        );
         let picture = draw(&mut renderer, &scene, [edge; 2], false);
         let drawn = picture.pixels.iter().map(|pixel| f64::from(pixel[1]) * area).sum::<f64>() / wanted;
         println!("tau {tau:.2}: drawn {drawn:.4}, traced {traced:.4} +- {error:.4}");
