@@ -296,10 +296,7 @@ fn a_ball_gives_off_what_a_flash_in_its_middle_does_but_for_what_goes_straight_o
         let error =
             estimate.error.iter().map(|error| (f64::from(error[1]) * area).powi(2)).sum::<f64>().sqrt();
         let error = error / wanted;
-        let mut renderer = renderer(
-            Quality { jitter: false, light_resolution: 40, light_cells: 40, ..Quality::PREVIEW },
-            Transport::MOMENTS,
-        );
+        let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::MOMENTS);
         let picture = draw(&mut renderer, &scene, [edge; 2], false);
         let drawn = picture.pixels.iter().map(|pixel| f64::from(pixel[1]) * area).sum::<f64>() / wanted;
         println!("tau {tau:.2}: drawn {drawn:.4}, traced {traced:.4} +- {error:.4}");
