@@ -83,7 +83,7 @@ fn what_is_behind_several_layers_is_dimmed_by_each() {
     assert!((found - wanted).abs() < 0.01, "{found} for {wanted}");
 }
 
-/// A renderer of light that is judged: a sixth of the cells of a preview, which is as near to the truth.
+/// A renderer of light that is judged: a third of the cells of a preview, which are as near to the truth.
 fn solving() -> Renderer {
     renderer(Quality { light_resolution: 40, light_cells: 40, ..Quality::PREVIEW }, Transport::MOMENTS)
 }
