@@ -43,7 +43,7 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
 
 #[test]
 fn light_is_finite_and_never_negative() {
-    let quality = Quality { light_resolution: 8, light_cells: 6, shadow_texels: 32, ..Quality::DRAFT };
+    let quality = Quality { light_resolution: 16, light_cells: 8, shadow_texels: 32, ..Quality::DRAFT };
     let mut renderer = renderer(quality, Transport::default());
     // The clouds of a field are of kinds that are here by themselves; all of them take minutes.
     for preset in Preset::ALL.into_iter().filter(|preset| *preset != Preset::Field) {
