@@ -24,7 +24,7 @@ pub struct Bounds {
 }
 
 /// So many scenes tell what is one in a hundred.
-const ENOUGH: u32 = 100;
+pub const ENOUGH: u32 = 100;
 
 /// Measures `cases` scenes that show something, the same every time, and asks that no value be above
 /// its bound; what fails is shrunk and its seed kept. Says the worst values, and writes their scenes

@@ -171,9 +171,14 @@ fn a_painted_layer_covers_the_mean_of_its_map_where_it_is_painted() {
             camera.projection = Projection::Orthographic { height: 2500.0 };
             let mut renderer = renderer(Quality::DRAFT, Transport::EMITTER);
             let drawn = opaque(&draw(&mut renderer, &scene, [128; 2], false));
+            if ending != "png" {
+                // The path tracer reads the same map.
+                assert!((drawn - wanted).abs() < 0.15, "{corner:?}: {drawn}");
+                continue;
+            }
             // Paths end where they meet it.
             scene.clouds[0].droplets.albedo = 0.0;
-            let frame = Frame::new(&scene, [64, 64]).unwrap();
+            let frame = Frame::new(&scene, [48, 48]).unwrap();
             let mut tracer = PathTracer::with_options(gpu(), &frame, &PathOptions::default()).unwrap();
             tracer.trace(24, &mut |_| true).unwrap();
             let truth = tracer.estimate().unwrap();

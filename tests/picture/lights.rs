@@ -246,7 +246,10 @@ fn truth_has_the_same_lights() {
     let spread = 4.0 * as_sun.1.hypot(as_key.1);
     assert!((as_sun.0[1] - as_key.0[1]).abs() < spread, "{as_sun:?} {as_key:?}");
     // Truth of lightning, and the model that solves for it: in the middle, and half outside.
-    let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::MOMENTS);
+    let mut renderer = renderer(
+        Quality { jitter: false, light_resolution: 32, light_cells: 32, ..Quality::PREVIEW },
+        Transport::MOMENTS,
+    );
     for (x, bound) in [(10.0, 0.1), (110.0, 0.25)] {
         let mut bolt = flash(3.0);
         if let LightSource::Lightning(flash) = &mut bolt.source {

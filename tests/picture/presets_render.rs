@@ -43,7 +43,8 @@ fn cameras(scene: &Scene) -> Vec<Camera> {
 
 #[test]
 fn light_is_finite_and_never_negative() {
-    let mut renderer = renderer(in_coarse_light(Quality::DRAFT), Transport::default());
+    let quality = Quality { light_resolution: 16, light_cells: 8, shadow_texels: 32, ..Quality::DRAFT };
+    let mut renderer = renderer(quality, Transport::default());
     // The clouds of a field are of kinds that are here by themselves; all of them take minutes.
     for preset in Preset::ALL.into_iter().filter(|preset| *preset != Preset::Field) {
         let mut scene = preset.scene(3);
