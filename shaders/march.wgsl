@@ -197,8 +197,11 @@ fn shade(v: Varyings) -> Shade {
     if CROSSES {
         visible = max(m.visible / m.gathered, 1e-6);
     }
-    let seen = ray_seen(m.transmittance, m.optical_depth, opaque, visible);
+    var seen = ray_seen(m.transmittance, m.optical_depth, opaque, visible);
     let own = alpha_of(ray, seen);
+    if CROSSES {
+        seen.together = crossing_ratio(own, seen.opacity);
+    }
     let alpha = crossing_alpha(own);
     let distance = ray_mean(m.distance, seen);
     let height = ray_height(m.height, cloud.top - cloud.base, seen);
@@ -249,8 +252,8 @@ fn visibility(v: Varyings) {
     let m = march_of(ray, v.position.xy, opaque);
     store_counts();
     if m.transmittance < 1.0 {
-        let opacity = alpha_of(ray, ray_seen(m.transmittance, m.optical_depth, opaque, 1.0));
-        keep_visibility(v.block, vec2u(v.position.xy), visibility_marked(opacity));
+        let seen = ray_seen(m.transmittance, m.optical_depth, opaque, 1.0);
+        keep_visibility(v.block, vec2u(v.position.xy), visibility_marked(seen.opacity, alpha_of(ray, seen)));
     }
 }
 

@@ -46,8 +46,10 @@ struct RaySeen {
     optical_depth: f32,
     // Factor on all that was gathered, where the ray ended early.
     share: f32,
-    // What of it other clouds that pass through this one let through.
+    // What of it other clouds that pass through this one let through, and the opacity ratio of all together; 0 where it
+    // is alone.
     visible: f32,
+    together: f32,
 }
 
 // The lights outside: irradiance of the sun across its beam at the height of what is seen,

@@ -22,13 +22,14 @@ fn opaque_ahead(opaque: f32, ahead: f32) -> f32 {
 fn ray_seen(transmittance: f32, optical_depth: f32, opaque: f32, visible: f32) -> RaySeen {
     let closed = transmittance < opaque;
     return RaySeen(select(1.0 - transmittance, 1.0, closed), select(optical_depth, 1e4, closed),
-        select(1.0, 1.0 / (1.0 - transmittance), closed), visible);
+        select(1.0, 1.0 / (1.0 - transmittance), closed), visible, 0.0);
 }
 
 // How much more of a ray is opaque to diffuse light, that comes from all sides, than to light that may go
 // straight on as a model has it: both are near 1 where nothing gets through.
 fn opacity_ratio(seen: RaySeen, transported: f32) -> f32 {
-    return (1.0 - exp(-transported * seen.optical_depth)) / seen.opacity;
+    let alone = (1.0 - exp(-transported * seen.optical_depth)) / seen.opacity;
+    return select(alone, seen.together, seen.together > 0.0);
 }
 
 // What is lost of the light behind. That of the forward peak, all but the share `transported`, is not lost
@@ -67,6 +68,7 @@ fn node_begins(gathered: f32, node: u32, count: u32) -> bool {
 
 // A piece of a ray under way.
 struct Piece {
+    begin: f32,
     end: f32,
     // Optical depth to the sun where it begins, and the part of it that is other clouds' shadow.
     sun: vec2f,
@@ -79,6 +81,6 @@ struct Piece {
 
 // The piece grown by a step from `t`.
 fn piece_with(piece: Piece, t: f32, length: f32, optical_depth: f32, seen: f32) -> Piece {
-    return Piece(t + length, piece.sun, piece.optical_depth + optical_depth, piece.seen + seen,
+    return Piece(piece.begin, t + length, piece.sun, piece.optical_depth + optical_depth, piece.seen + seen,
         piece.distance + seen * (t + 0.5 * length));
 }

@@ -57,11 +57,16 @@ fn keep_visibility(block: u32, pixel: vec2u, v: Visibility) {
     visibilities[place + 2u] = crossing_packed(v.end);
 }
 
-// What all others let through of what is at a distance, m.
-fn crossing_through(t: f32) -> f32 {
+// What all others let through of what is seen of a piece.
+fn crossing_share(piece: Piece) -> f32 {
     if !CROSSES {
         return 1.0;
     }
+    return visibility_share(crossing_through(piece.begin), crossing_through(piece.end), piece.optical_depth);
+}
+
+// What all others let through of what is at a distance, m.
+fn crossing_through(t: f32) -> f32 {
     var through = 1.0;
     for (var i = 0u; i < crossing_others(); i++) {
         through *= visibility_at(crossing_of(i), 1e-3 * t);
@@ -75,11 +80,27 @@ fn crossing_alpha(alpha: f32) -> f32 {
     if !CROSSES {
         return alpha;
     }
-    return select(0.0, 1.0 - (1.0 - alpha) * crossing_through(1e12), crossing_leads());
+    return select(0.0, 1.0 - crossing_clear(1.0 - alpha, 1.0).x, crossing_leads());
+}
+
+// What all of them let through of what is behind and of gathered light, of which one lets these pass.
+fn crossing_clear(behind: f32, gathered: f32) -> vec2f {
+    var clear = vec2f(behind, gathered);
+    for (var i = 0u; i < crossing_others(); i++) {
+        let opaque = crossing_of(i).end;
+        clear *= 1.0 - opaque.wz;
+    }
+    return clear;
+}
+
+// The opacity ratio of all of them, of which one has these opacities: what each gathers adds up by one ratio alone.
+fn crossing_ratio(alpha: f32, opacity: f32) -> f32 {
+    let clear = crossing_clear(1.0 - alpha, 1.0 - opacity);
+    return (1.0 - clear.x) / max(1.0 - clear.y, 1e-6);
 }
 
 // Distances kept on the way.
-var<private> marks: array<f32, 11>;
+var<private> marks: array<f32, 10>;
 var<private> next_mark: u32 = 0u;
 
 // Keeps what a step from `t` on hides.
@@ -95,12 +116,12 @@ fn mark(t: f32, length: f32, before: f32, after: f32) {
     marks[VISIBILITY_LEVELS] = t + length;
 }
 
-// What was kept of a ray of this opacity.
-fn visibility_marked(opacity: f32) -> Visibility {
+// What was kept of a ray of this opacity, to gathered light and to what is behind.
+fn visibility_marked(opacity: f32, alpha: f32) -> Visibility {
     for (var i = next_mark; i < VISIBILITY_LEVELS; i++) {
         marks[i] = marks[VISIBILITY_LEVELS];
     }
     return Visibility(1e-3 * vec4f(marks[0], marks[1], marks[2], marks[3]),
         1e-3 * vec4f(marks[4], marks[5], marks[6], marks[7]),
-        vec4f(1e-3 * marks[8], 1e-3 * marks[9], 1e-3 * marks[10], opacity));
+        vec4f(1e-3 * marks[8], 1e-3 * marks[9], opacity, alpha));
 }

@@ -30,7 +30,7 @@ var<private> nodes: array<Node, MOST_NODES>;
 fn add_light(m: ptr<function, March>, ray: LightRay, piece: Piece, after: vec2f) {
     let t = piece.distance / piece.seen;
     let p = light_ray_at(ray, t);
-    let through = crossing_through(t);
+    let through = crossing_share(piece);
     let seen = through * piece.seen;
     (*m).distance += through * piece.distance;
     (*m).height += seen * p.y;
@@ -65,7 +65,7 @@ fn next_piece(m: ptr<function, March>, ray: LightRay, piece: Piece, t: f32) -> P
     if t > piece.end {
         sun = sun_depth(light_ray_at(ray, t));
     }
-    return Piece(t, sun, 0.0, 0.0, 0.0);
+    return Piece(t, t, sun, 0.0, 0.0, 0.0);
 }
 
 // Diffuse light changes slowly: it is found at the nodes alone, after the march.

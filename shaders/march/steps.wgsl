@@ -21,7 +21,7 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
     var stretch = Stretch(0.0, false, 0.0, 0.0, 0u);
     var step = 0.0;
     var phase = offset;
-    var piece = Piece(-1.0, vec2f(0.0), 0.0, 0.0, 0.0);
+    var piece = Piece(-1.0, -1.0, vec2f(0.0), 0.0, 0.0, 0.0);
     for (var i = 0u; i < MAX_STEPS + SPARE_STEPS; i++) {
         // Find the next stretch; jump over clear air.
         if t >= stretch.end {
@@ -58,9 +58,7 @@ fn march(ray: LightRay, farthest: f32, offset: f32, opaque: f32) -> March {
         // Light what came before, where it is enough or has ended.
         if optical_depth > 0.0 {
             if VISIBILITY {
-                let share = light_transported(ray.species);
-                let before = step_through(share, m.optical_depth);
-                mark(t, length, before, before * step_through(share, optical_depth));
+                mark(t, length, m.transmittance, m.transmittance * through);
             } else {
                 if t > piece.end || piece.seen > cloud.lit_at_once {
                     piece = next_piece(&m, ray, piece, t);

@@ -4,6 +4,7 @@
 use crate::common;
 
 use common::picture::{draw, in_coarse_light, renderer, scene};
+use glam::DVec3;
 use nephos::{
     export::Picture,
     render::{Quality, Renderer, Transport},
@@ -94,6 +95,23 @@ fn a_cloud_that_moves_keeps_its_light_until_its_turn() {
     // It waits, and so do those that it stands beside.
     assert_eq!((some.light_updates(), some.lights_waiting()), (made, 3));
     assert!(opacities(&picture).iter().all(|opacity| *opacity > 0.02));
+}
+
+#[test]
+fn a_cloud_whose_last_shadow_goes_is_lit_as_if_there_had_been_none() {
+    let clouds = |high: f64| {
+        let mut scene = three_clouds();
+        scene.clouds.truncate(2);
+        scene.clouds[0].ellipsoids[0].center = DVec3::new(0.0, high, 0.0);
+        scene.sun.position = SunPosition::Direction(DVec3::Y);
+        scene
+    };
+    let (mut some, mut fresh) = (at_once(u32::MAX), at_once(u32::MAX));
+    let shaded = drawn(&mut some, &clouds(1600.0));
+    let lit = drawn(&mut some, &clouds(100.0));
+    assert_eq!(lit.pixels, drawn(&mut fresh, &clouds(100.0)).pixels);
+    let light = |picture: &Picture| picture.pixels.iter().map(|pixel| pixel[1]).sum::<f32>();
+    assert!(light(&shaded) < 0.8 * light(&lit), "{} {}", light(&shaded), light(&lit));
 }
 
 #[test]

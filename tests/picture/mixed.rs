@@ -7,13 +7,13 @@ use crate::common;
 use common::truth::{EXTINCTION_PER_CM3, assert_agree, mean, opacity, trace};
 use common::{
     gpu,
-    picture::{draw, renderer, scene},
+    picture::{draw, in_coarse_light, renderer, scene},
 };
 use nephos::{
     export::Picture,
     reference::{PathOptions, PathTracer},
     render::{Film, Frame, Quality, Renderer, Transport},
-    scene::Scene,
+    scene::{Scene, Sky},
 };
 
 const SIZE: [u32; 2] = [16, 9];
@@ -229,6 +229,33 @@ fn clouds_that_pass_through_one_another_are_as_in_truth() {
     for height in [2200.0, 100.0] {
         let scene = seen(&clouds, [0.0, height, 1000.0], [0.0, 1100.0, 0.0], 500.0, 40.0);
         assert_true(&mut renderer, &scene, [0.08, 0.12]);
+    }
+}
+
+#[test]
+fn a_white_furnace_stays_white_where_clouds_pass_through_one_another() {
+    // Ragged heaps half in each other, thin and thick, before a sky as bright as the light that falls on them.
+    let heap = |x: f64, per_cm3: f64| {
+        format!(
+            r#"{{"edge": {{"boundary": 60, "wispiness": 0.3}}, "droplets": {{"concentration_per_cm3": {per_cm3}}},
+                "ellipsoids": [{{"center": [{x}, 0, 0], "radii": [150, 120, 130]}}, {{"center": [{}, 90, 40], "radii": [80, 70, 80]}}]}}"#,
+            x + 40.0
+        )
+    };
+    for per_cm3 in [4.0, 40.0, 400.0] {
+        let clouds = format!("{}, {}", heap(-50.0, per_cm3), heap(50.0, 1.5 * per_cm3));
+        let mut scene = seen(&clouds, [0.0, 60.0, 900.0], [0.0, 20.0, 0.0], 380.0, 40.0);
+        scene.sky = Sky::Uniform { radiance: [1.0; 3] };
+        scene.sun.irradiance = [0.0; 3];
+        for quality in [Quality::DRAFT, Quality::FINAL] {
+            let pixels =
+                draw(&mut renderer(in_coarse_light(quality), Transport::MOMENTS), &scene, SIZE, true).pixels;
+            let off = |pixel: &[f32; 4]| f64::from(pixel[1]) - 1.0;
+            let worst = pixels.iter().map(|pixel| off(pixel).abs()).fold(0.0, f64::max);
+            let bias = pixels.iter().map(off).sum::<f64>() / pixels.len() as f64;
+            eprintln!("{per_cm3} a cm3: off by {worst:.4} at most, {bias:+.5} in the mean");
+            assert!(worst < 0.06 && bias.abs() < 0.003, "{per_cm3}: {worst} {bias}");
+        }
     }
 }
 

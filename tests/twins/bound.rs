@@ -102,7 +102,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sky_volume", "optical_depth_along"),
             ("medium", "medium_at medium_mean_at medium_on_ray medium_facing cloud_at all_at layer_at mesh_at volume_at"),
             ("ellipsoids_at", "clouds_at cloud_at"),
-            ("crossings", "crossing_through"),
+            ("crossings", "crossing_share crossing_through"),
             ("light", "slab_sets slab_radiance"),
         ],
     ),
@@ -112,7 +112,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("counts", "count"),
             (
                 "crossings",
-                "crossing_begins crossing_place crossing_others crossing_leads crossing_alpha mark visibility_marked",
+                "crossing_begins crossing_place crossing_others crossing_leads crossing_alpha crossing_clear crossing_ratio mark visibility_marked",
             ),
             ("march", "store_counts ray_of march_of opaque_of alpha_of shade is_before_disc light_layers places_of"),
             ("steps", "march"),

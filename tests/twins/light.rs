@@ -92,7 +92,7 @@ fn outside() -> Vec<Twin> {
 /// A piece: optical depth, what is seen, sums so far; optical depths to the sun and in shadow.
 const PIECE: &str = "
     fn piece(x: array<vec4f, 8>) -> LitPiece { return LitPiece(9.0, x[1].xy, x[1].zw, x[0].x, x[0].y, 0.3); }
-    fn seen(x: array<vec4f, 8>) -> RaySeen { return RaySeen(x[2].x, x[2].y, x[2].z, 1.0); }
+    fn seen(x: array<vec4f, 8>) -> RaySeen { return RaySeen(x[2].x, x[2].y, x[2].z, 1.0, 0.0); }
     fn phases(x: array<vec4f, 8>) -> SunPhase { return SunPhase(x[3].xyz, x[4].xyz); }";
 
 fn piece(random: &mut Random) -> Input {

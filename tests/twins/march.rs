@@ -94,8 +94,8 @@ fn steps() -> Vec<Twin> {
 }
 
 /// What is seen of a ray, as a shader gets it.
-const SEEN: &str = "fn seen(x: vec4f) -> RaySeen { return RaySeen(x.x, x.y, x.z, 1.0); }
-    fn past(x: vec4f, visible: f32) -> RaySeen { return RaySeen(x.x, x.y, x.z, visible); }";
+const SEEN: &str = "fn seen(x: vec4f) -> RaySeen { return RaySeen(x.x, x.y, x.z, 1.0, 0.0); }
+    fn past(x: vec4f, visible: f32) -> RaySeen { return RaySeen(x.x, x.y, x.z, visible, 0.0); }";
 
 /// A ray's transmittance, optical depth, and where it ends.
 fn ended(random: &mut Random) -> Input {
@@ -212,45 +212,46 @@ fn seen() -> Vec<Twin> {
     ]
 }
 
-/// What is told of a ray's transmittance: eleven distances and the opacity; then a distance.
+/// What is told of a ray's transmittance: ten distances and the opacity; then a distance.
 fn visibility(random: &mut Random) -> Input {
     let opacity = [1.0, random.between(0.0, 1.0), random.log(1e-3, 1.0)][random.index(3)];
-    let mut marks = [0.0; 11].map(|_| random.log(0.01, 20.0));
+    let mut marks = [0.0; 10].map(|_| random.log(0.01, 20.0));
     marks.sort_by(f64::total_cmp);
     // Levels that are never reached are where all ends.
     for (i, mark) in marks.into_iter().enumerate().skip(1).collect::<Vec<_>>() {
-        marks[i] = if 1.0 - i as f64 / 10.0 < 1.0 - opacity { marks[10] } else { mark };
+        marks[i] = if 1.0 - i as f64 / 9.0 < 1.0 - opacity { marks[9] } else { mark };
     }
-    let place = random.between(0.9 * marks[0], 1.1 * marks[10]);
+    let place = random.between(0.9 * marks[0], 1.1 * marks[9]);
     input([
         [marks[0], marks[1], marks[2], marks[3]],
         [marks[4], marks[5], marks[6], marks[7]],
-        [marks[8], marks[9], marks[10], opacity],
+        [marks[8], marks[9], opacity, 0.5],
         [place, 0.0, 0.0, 0.0],
     ])
 }
 
-/// Straight lines between the marks, at each of which the transmittance is a tenth less, but no less than at last.
+/// Straight lines of the logarithm between the marks, at each of which the transmittance is a ninth less, but no less than at last.
 fn seen_past(x: &Wide) -> f64 {
     let mark = |i: usize| x[i / 4][i % 4];
-    let (least, place) = (1.0 - x[2][3], x[3][0]);
-    let through = |i: usize| (1.0 - i as f64 / 10.0).max(least);
+    let (least, place) = (1.0 - x[2][2], x[3][0]);
+    let through = |i: usize| (1.0 - i as f64 / 9.0).max(least);
     if place <= mark(0) {
         return 1.0;
     }
-    let Some(next) = (1..11).find(|&i| place < mark(i)) else { return least };
+    let Some(next) = (1..10).find(|&i| place < mark(i)) else { return least };
     let (a, b) = (mark(next - 1), mark(next));
-    through(next - 1) + (through(next) - through(next - 1)) * (place - a) / (b - a)
+    let [from, to] = [next - 1, next].map(|i| through(i).max(1e-3));
+    from * (to / from).powf((place - a) / (b - a))
 }
 
 fn visibilities() -> Vec<Twin> {
     vec![
         Twin::new("visibility_level", "visibility", "return vec4f(visibility_level(u32(x[0].x)));", |x| {
-            one(1.0 - x[0][0] / 10.0)
+            one(1.0 - x[0][0] / 9.0)
         })
-        .edges(plane(&[0.0, 1.0, 5.0, 9.0, 10.0], &[0.0]))
+        .edges(plane(&[0.0, 1.0, 5.0, 8.0, 9.0], &[0.0]))
         .beside(1.0)
-        .over("all", |random| scalars([random.index(11) as f64]))
+        .over("all", |random| scalars([random.index(10) as f64]))
         .beside(1.0),
         Twin::new(
             "visibility_reached",
@@ -271,6 +272,21 @@ fn visibilities() -> Vec<Twin> {
                 [random.between(1.0, 1e4), length, before, before * (-optical_depth).exp()],
                 [level.max(1e-20), 0.0, 0.0, 0.0],
             ])
+        }),
+        Twin::new(
+            "visibility_share",
+            "visibility",
+            "return vec4f(visibility_share(x[0].x, x[0].y, x[0].z));",
+            |x| {
+                // By the sum of both: the share of the piece of what is taken in it by the two.
+                let [before, after, own, _] = x[0];
+                let both = own + (before / after).ln();
+                one(before * (own / both) * (-both).exp_m1() / (-own).exp_m1())
+            },
+        )
+        .over("all", |random| {
+            let before = random.between(0.01, 1.0);
+            scalars([before, before * (-random.log(1e-3, 8.0)).exp(), random.log(1e-3, 20.0)])
         }),
         Twin::new(
             "visibility_at",
@@ -318,7 +334,7 @@ fn nodes() -> Vec<Twin> {
         Twin::new(
             "piece_with",
             "ray_seen",
-            "let p = piece_with(Piece(7.0, x[1].xy, x[0].x, x[0].y, x[0].z), x[2].x, x[2].y, x[2].z, x[2].w);
+            "let p = piece_with(Piece(3.0, 7.0, x[1].xy, x[0].x, x[0].y, x[0].z), x[2].x, x[2].y, x[2].z, x[2].w);
              if x[1].w > 0.5 { return vec4f(p.sun, p.sun); }
              return vec4f(p.end, p.optical_depth, p.seen, p.distance);",
             |x| {

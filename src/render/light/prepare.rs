@@ -312,7 +312,9 @@ impl Known {
         let same_kind = made_for.is_flash() == wanted.is_flash();
         let same_sun = same_kind && made_for.sun == wanted.sun;
         let own = |wanted: &Wanted| wanted.sun.as_ref().map(|sun| (sun.of.clone(), sun.mapped));
-        let alone = sun.clone().filter(|_| same_kind && own(&made_for) == own(wanted));
+        // A volume in shadow tells what the cloud is alone, but to a pass that shades it anew.
+        let is_alone = made_for.shades().is_empty() || !wanted.shades().is_empty();
+        let alone = sun.clone().filter(|_| same_kind && is_alone && own(&made_for) == own(wanted));
         let (field_of_sun, field_of_sky) = field.map(|field| (field.sun, field.sky)).unzip();
         Self {
             sun: sun.filter(|_| same_sun),
