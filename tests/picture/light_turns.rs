@@ -208,6 +208,14 @@ fn light_is_kept_while_little_moves_where_that_is_asked_for() {
     let drifting = [0.0, 0.5, 0.9, 1.3, 2.0].map(|east| heap(120.0, east));
     assert_eq!(updates(0.0, &drifting), [true; 5]);
     assert_eq!(updates(0.5, &drifting), [true, false, false, true, false]);
+    // Where it is to be exact again it is, though nothing moves any more.
+    let mut some = at_once(u32::MAX);
+    some.settings.light_slack_deg = 0.5;
+    drawn(&mut some, &turning[0]);
+    drawn(&mut some, &turning[1]);
+    some.settings.light_slack_deg = 0.0;
+    let exact = drawn(&mut at_once(u32::MAX), &turning[1]);
+    assert_eq!(drawn(&mut some, &turning[1]).pixels, exact.pixels);
     // What is another cloud is another cloud.
     let mut thinner = heap(120.0, 0.0);
     thinner.clouds[0].droplets.concentration_per_cm3 = 149.0;

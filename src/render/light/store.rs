@@ -88,6 +88,8 @@ pub(in crate::render) struct LightStore {
 #[derive(PartialEq)]
 struct Asked {
     moment: u64,
+    /// Light that was near enough for another slack may not be for this one.
+    slack_deg: f64,
     presence: Vec<Presence>,
     details: Vec<Option<Detail>>,
     allowance: u64,
@@ -98,7 +100,8 @@ impl Asked {
     /// out of view.
     fn of(&self, index: usize, shading: &Shading<'_>) -> Option<Good> {
         let others = shading.numbers(index).map(|other| self.details[other]);
-        Some(Good { moment: self.moment, detail: self.details[index]?, others: others.collect() })
+        let (moment, slack_deg) = (self.moment, self.slack_deg);
+        Some(Good { moment, slack_deg, detail: self.details[index]?, others: others.collect() })
     }
 }
 
@@ -106,6 +109,7 @@ impl Asked {
 #[derive(Clone, PartialEq)]
 struct Good {
     moment: u64,
+    slack_deg: f64,
     detail: Detail,
     others: Vec<Option<Detail>>,
 }
@@ -157,7 +161,8 @@ impl LightStore {
         let details = plan(quality, &frame.clouds, &in_view, &frame.camera, frame.camera_position);
         let seen = in_view.iter().filter(|seen| **seen).count();
         let allowance = allowance(quality, seen);
-        let asked = Asked { moment: self.moments, presence: presence.to_vec(), details, allowance };
+        let (moment, slack_deg, presence) = (self.moments, inputs.slack_deg, presence.to_vec());
+        let asked = Asked { moment, slack_deg, presence, details, allowance };
         if self.waiting > 0 || self.asked.as_ref() != Some(&asked) {
             self.waiting = 0;
             self.make(encoder, inputs, request, &asked, same, flush);
