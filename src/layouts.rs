@@ -9,7 +9,7 @@ use crate::{
         CameraUniform, MEDIA, MIXED,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
-            LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, NoiseFrame,
+            LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, NoiseFrame, PEAKS,
             PlacedLayerUniform, PlacedMeshUniform, PlacedVolumeUniform, SQUARES, SpeciesUniform, VOLUME,
             VOLUME_CELLS, VOLUME_LEVELS, VolumeUniform,
         },
@@ -18,9 +18,9 @@ use crate::{
     optics::slab::{SETS, axes, samples},
     reference::{self, GridUniform, MOST_GRIDS, PATH_BYTES, SUM_FLOATS, SceneUniform},
     render::{
-        AroundUniform, BRICK, BlockUniform, CasterUniform, CloudUniform, ComposeUniform, FieldUniform,
-        LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile, Transport,
-        VoxelsUniform, resolve_uniform,
+        AroundUniform, BRICK, BlockUniform, CROSSING_CELL, CasterUniform, CloudUniform, ComposeUniform,
+        FieldUniform, LightBox, LightUniform, MOST_NODES, ResolveUniform, Shown, SunMapUniform, Tile,
+        Transport, VoxelsUniform, resolve_uniform,
     },
     scene::{BLOCK_EDGE, BLOCK_VOXELS, Tone, ToneCurve},
 };
@@ -186,6 +186,8 @@ fn constants_of_rust_and_shaders_agree() {
     let cases = [
         ("sky", "SUN_MAP_SQUARES", SunMapUniform::SQUARES as f32),
         ("sky", "SUN_MAP_LAYERS", SunMapUniform::LAYERS as f32),
+        ("march", "CROSSING_CELL", CROSSING_CELL as f32),
+        ("march", "PEAKS", PEAKS as f32),
         ("march", "BRICK", BRICK as f32),
         ("march", "MOST_NODES", MOST_NODES as f32),
         ("march", "FINE", FINE as f32),

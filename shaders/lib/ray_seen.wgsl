@@ -68,6 +68,7 @@ fn node_begins(gathered: f32, node: u32, count: u32) -> bool {
 
 // A piece of a ray under way.
 struct Piece {
+    // Where it begins and ends, m.
     begin: f32,
     end: f32,
     // Optical depth to the sun where it begins, and the part of it that is other clouds' shadow.

@@ -11,7 +11,7 @@ use crate::{
     export::Picture,
     gpu::{AdapterSummary, Gpu},
     render::{Film, Frame, Quality, Renderer},
-    scene::{Scene, SunPosition},
+    scene::{Scene, Sky, SunPosition},
 };
 
 /// What moves.
@@ -168,7 +168,7 @@ impl Shift<'_> {
     ) -> Result<Vec<Moving>> {
         let mut scene = scene.clone();
         // Tables of an atmosphere are made anew whenever the sun turns: what light of clouds costs is to be told.
-        scene.sky = crate::scene::Sky::Uniform { radiance: [0.06, 0.09, 0.15] };
+        scene.sky = Sky::Uniform { radiance: [0.06, 0.09, 0.15] };
         let exact = self.course(&scene, quality.1, change, 0.0)?;
         let mut rows = Vec::new();
         for &slack_deg in slacks_deg {

@@ -17,7 +17,7 @@ pub(crate) use light::{AroundUniform, BRICK, FieldUniform, LightBox, LightUnifor
 pub use light::{DirectTextures, FunctionTextures};
 #[cfg(test)]
 pub(crate) use march::{
-    CloudUniform, MOST_NODES, Tile,
+    CROSSING_CELL, CloudUniform, MOST_NODES, Tile,
     voxels::{BlockUniform, VoxelsUniform},
 };
 pub use march::{

@@ -34,6 +34,7 @@ mod slab;
 mod solve;
 mod table;
 mod textbook;
+mod visibility;
 mod volume;
 
 use harness::{Regime, Twin, error};
@@ -100,6 +101,7 @@ fn twins() -> Vec<Twin> {
         light::twins(),
         solve::twins(),
         path::twins(),
+        visibility::twins(),
         volume::twins(),
     ]
     .into_iter()

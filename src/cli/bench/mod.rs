@@ -47,6 +47,20 @@ impl Bench {
     }
 }
 
+/// On what is measured, and how it is told.
+#[derive(Debug, Args)]
+struct Told {
+    /// Write what is found as JSON to the standard output.
+    #[arg(long)]
+    json: bool,
+    /// The commit that the program was built from; asked of git where left out.
+    #[arg(long)]
+    commit: Option<String>,
+    /// Part of the name of the adapter to use; `nephos info` lists them.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
+}
+
 /// The pictures of the corpus that have `part` in their names.
 fn chosen(part: Option<&str>) -> Result<Vec<Entry>> {
     let part = part.unwrap_or_default();

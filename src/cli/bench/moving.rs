@@ -4,6 +4,7 @@ use clap::Args;
 
 use super::{
     super::open,
+    Told,
     models::commit,
     models::now,
     named,
@@ -36,15 +37,8 @@ pub struct BenchMoving {
     /// Frames of each row.
     #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     frames: u32,
-    /// Write what is found as JSON to the standard output.
-    #[arg(long)]
-    json: bool,
-    /// The commit that the program was built from; asked of git where left out.
-    #[arg(long)]
-    commit: Option<String>,
-    /// Part of the name of the adapter to use; `nephos info` lists them.
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    told: Told,
 }
 
 impl BenchMoving {
@@ -56,7 +50,7 @@ impl BenchMoving {
         let qualities = named(&Quality::PRESETS, &self.qualities, "--qualities")?;
         let scenes = self.scenes.iter().map(|name| scene_of(name)).collect::<Result<Vec<_>>>()?;
         let size = size_of(&self.size, "--size")?;
-        let gpu = open(self.adapter.as_deref())?;
+        let gpu = open(self.told.adapter.as_deref())?;
         let bar = terminal::progress("rows");
         bar.set_length((scenes.len() * qualities.len() * Change::ALL.len() * self.slack.len()) as u64);
         let shift = Shift { gpu: &gpu, size, frames: self.frames };
@@ -71,14 +65,14 @@ impl BenchMoving {
         bar.finish_and_clear();
         let report = MovingReport {
             version: env!("CARGO_PKG_VERSION"),
-            commit: self.commit.clone().or_else(commit),
+            commit: self.told.commit.clone().or_else(commit),
             date: now(),
             adapter: gpu.adapter.clone(),
             frames: self.frames,
             size,
             rows,
         };
-        if self.json { terminal::print_json(&report) } else { terminal::print(&report.text()) }
+        if self.told.json { terminal::print_json(&report) } else { terminal::print(&report.text()) }
     }
 }
 

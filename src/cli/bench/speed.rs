@@ -4,7 +4,7 @@ use std::{io::Write, path::PathBuf, str::FromStr};
 
 use clap::Args;
 
-use super::{super::open, models::commit, models::now, named};
+use super::{super::open, Told, models::commit, models::now, named};
 use crate::{
     Error, Result,
     cli::{numbers::above_zero, terminal},
@@ -36,15 +36,8 @@ pub struct BenchSpeed {
     /// Write what is found as JSON (.json) or as a page (.html).
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write what is found as JSON to the standard output.
-    #[arg(long)]
-    json: bool,
-    /// The commit that the program was built from; asked of git where left out.
-    #[arg(long)]
-    commit: Option<String>,
-    /// Part of the name of the adapter to use; `nephos info` lists them.
-    #[arg(long, value_name = "NAME")]
-    adapter: Option<String>,
+    #[command(flatten)]
+    told: Told,
 }
 
 impl BenchSpeed {
@@ -58,10 +51,10 @@ impl BenchSpeed {
         let scenes = self.scenes.iter().map(|name| scene_of(name)).collect::<Result<Vec<_>>>()?;
         let kind = self.output.as_deref().map(Kind::of).transpose()?;
         self.output.iter().try_for_each(|file| check_place(file))?;
-        let gpu = open(self.adapter.as_deref())?;
+        let gpu = open(self.told.adapter.as_deref())?;
         let mut report = SpeedReport {
             version: env!("CARGO_PKG_VERSION"),
-            commit: self.commit.clone().or_else(commit),
+            commit: self.told.commit.clone().or_else(commit),
             date: now(),
             adapter: gpu.adapter.clone(),
             gflops: self.gflops,
@@ -83,7 +76,7 @@ impl BenchSpeed {
             let text = kind.text(&report)?;
             write_whole(path, |file| file.write_all(text.as_bytes()))?;
         }
-        if self.json { terminal::print_json(&report) } else { terminal::print(&report.text()) }
+        if self.told.json { terminal::print_json(&report) } else { terminal::print(&report.text()) }
     }
 }
 

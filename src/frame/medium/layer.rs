@@ -103,13 +103,9 @@ impl LayerShape {
         0.5 * dvec3(self.period, height, self.period)
     }
 
-    /// Whether a ray from `height` in the layer's frame, m, meets it before the ground over an earth of half the
-    /// curvature `bend`, 1/m, where it goes up by `slope` each metre: `layer_span` of `shaders/lib/layer.wgsl` is there.
-    pub fn is_met(&self, height: f32, slope: f32, bend: f32) -> bool {
-        self.met(height, slope, bend).is_some()
-    }
-
-    /// From where to where on its way such a ray may meet it, m.
+    /// From where to where on its way, m, a ray from `height` in the layer's frame, m, may meet it before the ground over an earth
+    /// of half the curvature `bend`, 1/m, where it goes up by `slope` each metre: `layer_span` of `shaders/lib/layer.wgsl` is
+    /// there.
     pub fn met(&self, height: f32, slope: f32, bend: f32) -> Option<[f32; 2]> {
         let LayerUniform { rim, top, bottom, ground, .. } = self.uniform;
         let bend = f64::from(bend * (1.0 - slope * slope)).max(1e-13);

@@ -50,6 +50,8 @@ pub(crate) use noise::FINE;
 pub(crate) use noise::NoiseFrame;
 pub(crate) use noise_volume::upload as upload_noise;
 pub use noise_volume::{SIZE as NOISE_SIZE, bake as bake_noise};
+#[cfg(test)]
+pub(crate) use species::PEAKS;
 pub(crate) use species::{Species, SpeciesTextures, SpeciesUniform};
 pub(crate) use volume::{VOLUME, VolumeShape, VolumeUniform};
 pub(crate) use world::{Part, World};

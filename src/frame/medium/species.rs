@@ -72,7 +72,7 @@ pub(crate) struct Species {
 }
 
 /// Rows of the peak by its optical depth, `peak_coordinate` of `shaders/lib/phase.wgsl`: `PEAKS` there.
-const PEAKS: usize = 6;
+pub(crate) const PEAKS: usize = 6;
 /// The optical depth of the last one, which stands for any greater: almost no light goes through it in the peak alone.
 const DEEPEST_PEAK: f64 = 24.0;
 

@@ -26,7 +26,7 @@ pub(in crate::render) struct Crossings {
 }
 
 /// The tiles of a cloud that crosses others.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug)]
 pub(in crate::render) struct Crossed {
     /// Those where it is alone come first.
     pub cover: Cover,
@@ -203,15 +203,13 @@ impl Crossings {
     /// Puts the tiles where a cloud is alone before those where it crosses others, in the cells of `crossed`.
     fn add_alone(&mut self, covers: &[Cover], crossed: &HashMap<usize, HashSet<u32>>, wide: u32) {
         for (cloud, own) in &mut self.clouds {
-            let is_crossed = |[x, y]: [u32; 2]| crossed[cloud].contains(&(y * wide + x));
-            let alone = |tile: &Tile| {
-                let cells: Vec<_> = cells_of(tile.area).collect();
-                let free = cells.iter().filter(|&&cell| !is_crossed(cell)).count();
-                let whole = (free == cells.len()).then_some(*tile);
-                let parts = if whole.is_some() { Vec::new() } else { cells };
-                let parts = parts.into_iter().filter(|&cell| !is_crossed(cell));
+            let is_alone = |&[x, y]: &[u32; 2]| !crossed[cloud].contains(&(y * wide + x));
+            let alone = |tile: &Tile| -> Vec<Tile> {
+                if cells_of(tile.area).all(|cell| is_alone(&cell)) {
+                    return vec![*tile];
+                }
                 let part = |cell| Tile { area: within(tile.area, cell), ..*tile };
-                whole.into_iter().chain(parts.map(part).collect::<Vec<_>>())
+                cells_of(tile.area).filter(is_alone).map(part).collect()
             };
             let mut tiles: Vec<_> = covers[*cloud].tiles.iter().flat_map(alone).collect();
             own.alone = tiles.len() as u32;

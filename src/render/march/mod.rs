@@ -16,6 +16,8 @@ use wgpu::{BindGroup, TextureView};
 
 pub(super) use counts::Counters;
 pub use counts::Counts;
+#[cfg(test)]
+pub(crate) use crossings::CELL as CROSSING_CELL;
 pub(super) use crossings::{Crossings, Touching};
 pub(super) use parts::Parts;
 #[cfg(test)]

@@ -15,6 +15,9 @@ use crate::frame::{
 /// Where a tile sees more ellipsoids than these, which its rays ask, it is cut down to [`SMALLEST`].
 pub(in crate::render) const MANY: usize = 64;
 
+/// Any distance, m.
+const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+
 /// `Tile` of `shaders/march.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -63,13 +66,14 @@ impl Cover {
     /// Covers the picture where rays from `eye`, in the layer's frame, may meet a layer before the ground, over an
     /// earth of half the curvature `bend`, 1/m.
     pub(crate) fn of_layer(camera: &CameraUniform, eye: Vec3, layer: &LayerShape, bend: f32) -> Self {
+        let view = LayerView { camera, eye, layer, bend };
         let mut cover = Self::default();
         let size = UVec2::new(camera.size[0] as u32, camera.size[1] as u32);
         for y in (0..size.y).step_by(TILE as usize) {
             for x in (0..size.x).step_by(TILE as usize) {
                 let min = UVec2::new(x, y);
                 let max = (min + TILE).min(size);
-                if may_meet(camera, eye, layer, bend, min, max) {
+                if view.may_meet(min, max) {
                     cover.push(min, max, &[]);
                 }
             }
@@ -135,17 +139,17 @@ impl Cover {
                 [middle - radius, middle + radius]
             });
             let all = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-            all.filter(|_| !skewed).unwrap_or([f32::NEG_INFINITY, f32::INFINITY])
+            all.filter(|_| !skewed).unwrap_or(ANY)
         };
         self.depths = self.tiles.iter().map(span).collect();
     }
 
     /// Finds the distances of what its tiles see of a layer, as [`Cover::of_layer`] has it.
     pub fn measure_layer(&mut self, camera: &CameraUniform, eye: Vec3, layer: &LayerShape, bend: f32) {
+        let view = LayerView { camera, eye, layer, bend };
         let span = |tile: &Tile| {
             let [left, top, right, bottom] = tile.area;
-            let (min, max) = (UVec2::new(left, top), UVec2::new(right, bottom));
-            layer_depths(camera, eye, layer, bend, min, max).unwrap_or([f32::NEG_INFINITY, f32::INFINITY])
+            view.depths(UVec2::new(left, top), UVec2::new(right, bottom))
         };
         self.depths = self.tiles.iter().map(span).collect();
     }
@@ -197,36 +201,36 @@ impl View<'_> {
     }
 }
 
-/// Whether a rectangle of the picture may see a layer. What it sees is bounded by horizons: of slopes, all above one
-/// or all below it meet the layer, so that the steepest two of the rectangle tell.
-fn may_meet(
-    camera: &CameraUniform,
+/// A layer as a picture sees it, over an earth of half the curvature `bend`, 1/m.
+struct LayerView<'a> {
+    camera: &'a CameraUniform,
     eye: Vec3,
-    layer: &LayerShape,
+    layer: &'a LayerShape,
     bend: f32,
-    min: UVec2,
-    max: UVec2,
-) -> bool {
-    camera.projection == CameraUniform::ORTHOGRAPHIC
-        || slopes(camera, min, max).into_iter().any(|slope| layer.is_met(eye.y, slope, bend))
 }
 
-/// Nearest and farthest distance at which a rectangle of the picture may see a layer, m; none where it is not known.
-fn layer_depths(
-    camera: &CameraUniform,
-    eye: Vec3,
-    layer: &LayerShape,
-    bend: f32,
-    min: UVec2,
-    max: UVec2,
-) -> Option<[f32; 2]> {
-    if camera.projection == CameraUniform::ORTHOGRAPHIC {
-        return None;
+impl LayerView<'_> {
+    /// Where the steepest lines of sight of a rectangle of the picture meet the layer, m. What a rectangle sees is bounded by
+    /// horizons: of slopes, all above one or all below it meet the layer, so that the steepest two tell. None for parallel
+    /// lines of sight.
+    fn met(&self, min: UVec2, max: UVec2) -> Option<[Option<[f32; 2]>; 2]> {
+        let Self { camera, eye, layer, bend } = self;
+        let parallel = camera.projection == CameraUniform::ORTHOGRAPHIC;
+        (!parallel).then(|| slopes(camera, min, max).map(|slope| layer.met(eye.y, slope, *bend)))
     }
-    // Where all of it sees the layer, lines of sight between are met between: beyond is unknown.
-    let [a, b] = slopes(camera, min, max).map(|slope| layer.met(eye.y, slope, bend));
-    let ([a, b], [c, d]) = (a?, b?);
-    Some([a.min(c), b.max(d)])
+
+    /// Whether a rectangle may see the layer.
+    fn may_meet(&self, min: UVec2, max: UVec2) -> bool {
+        self.met(min, max).is_none_or(|met| met.iter().any(Option::is_some))
+    }
+
+    /// Nearest and farthest distance at which a rectangle may see it, m: any, where not all of it does.
+    fn depths(&self, min: UVec2, max: UVec2) -> [f32; 2] {
+        match self.met(min, max) {
+            Some([Some([a, b]), Some([c, d])]) => [a.min(c), b.max(d)],
+            _ => ANY,
+        }
+    }
 }
 
 /// Least and largest slope of what a rectangle of the picture sees, m of height each m of the way.
