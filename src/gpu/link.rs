@@ -13,7 +13,7 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`, pure functions and structs: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "attenuation", "body", "camera", "characteristic", "column", "constants", "density", "depth_volume", "eddington", "ellipsoid", "field", "field_view", "flash", "forward_cone", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice", "path_random", "phase", "random", "ray_box", "ray_seen", "ray_step", "region", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_light", "slab_view", "species", "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume",
+    "air", "atmosphere", "attenuation", "body", "camera", "characteristic", "column", "constants", "density", "depth_volume", "eddington", "ellipsoid", "field", "field_view", "flash", "forward_cone", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice", "path_random", "phase", "powder", "random", "ray_box", "ray_seen", "ray_step", "region", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_light", "slab_view", "species", "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume",
 );
 
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.

@@ -225,6 +225,7 @@ fn each_model_of_light_reads_its_own_tables_only() {
         (Transport::EMITTER, [].to_vec()),
         (Transport::SINGLE, sun.to_vec()),
         (Transport::FORWARD, sun.to_vec()),
+        (Transport::POWDER, sun.to_vec()),
         (Transport::OCTAVES, sun.to_vec()),
         (Transport::MOMENTS, ["phase_table", "remainder", "sun_field", "sun_volume"].to_vec()),
         (Transport::DELTA_EDDINGTON, [&["phase_table", "sky_volume"], &maps[1..]].concat()),

@@ -65,8 +65,8 @@ fn an_emitter_shows_its_emission_times_its_opacity() {
     }
 }
 
-/// The octaves' light of the sun, by quadrature: the sum of b^i P E int k e^{-k (s_view + a^i s_sun)} ds.
-fn octaves(extinction: f64, to_sun: DVec3, (x, y, half): (f64, f64, f64)) -> f64 {
+/// Light of the sun, by quadrature: int k e^{-k s_view} `source`(k s_sun) ds, where the source is per unit of irradiance.
+fn lit(source: fn(f64) -> f64, extinction: f64, to_sun: DVec3, (x, y, half): (f64, f64, f64)) -> f64 {
     let n = 400;
     let h = 2.0 * half / f64::from(n);
     let at = |j: i32| {
@@ -74,29 +74,49 @@ fn octaves(extinction: f64, to_sun: DVec3, (x, y, half): (f64, f64, f64)) -> f64
         let p = DVec3::new(x, y, half - s);
         let along = p.dot(to_sun);
         let sun = (along * along - p.length_squared() + RADIUS * RADIUS).max(0.0).sqrt() - along;
-        let light = [1.0, 0.5, 0.25].map(|octave: f64| octave * (-octave * extinction * sun).exp());
-        extinction * (-extinction * s).exp() * light.iter().sum::<f64>() * h / (4.0 * PI)
+        extinction * (-extinction * s).exp() * source(extinction * sun) * h
     };
     (0..n).map(at).sum()
+}
+
+/// Relative RMSE of the sun's light on a sphere against the integral of `source`.
+fn error(transport: Transport, per_cm3: f64, source: fn(f64) -> f64) -> f64 {
+    let scene = sphere(per_cm3, r#""isotropic""#, 1.0, r#""none""#);
+    let extinction = scene.clouds[0].droplets.extinction();
+    let quality = Quality { light_resolution: 64, ..Quality::FINAL };
+    let picture = draw(&mut renderer(quality, transport), &scene, SIZE, false);
+    let mut squares = (0.0, 0.0);
+    for (pixel, ray) in picture.pixels.iter().zip(rays()) {
+        let exact = lit(source, extinction, scene.sun.to_sun(), ray);
+        squares.0 += (f64::from(pixel[0]) - exact).powi(2);
+        squares.1 += exact * exact;
+    }
+    (squares.0 / squares.1).sqrt()
 }
 
 #[test]
 fn octaves_of_a_sphere_are_their_integrals() {
     for (per_cm3, bound) in [(1.0, 0.01), (60.0, 0.02)] {
-        let scene = sphere(per_cm3, r#""isotropic""#, 1.0, r#""none""#);
-        let extinction = scene.clouds[0].droplets.extinction();
-        let quality = Quality { light_resolution: 64, ..Quality::FINAL };
-        let picture = draw(&mut renderer(quality, Transport::OCTAVES), &scene, SIZE, false);
-        let mut squares = (0.0, 0.0);
-        for (pixel, ray) in picture.pixels.iter().zip(rays()) {
-            let exact = octaves(extinction, scene.sun.to_sun(), ray);
-            squares.0 += (f64::from(pixel[0]) - exact).powi(2);
-            squares.1 += exact * exact;
-        }
-        let error = (squares.0 / squares.1).sqrt();
+        // The sum of b^i P e^{-a^i t}.
+        let error = error(Transport::OCTAVES, per_cm3, |t| {
+            [1.0, 0.5, 0.25].map(|octave: f64| octave * (-octave * t).exp()).iter().sum::<f64>() / (4.0 * PI)
+        });
         // As for single scattering: the optical depth to the sun comes from voxels.
         assert!(error < bound, "relative RMSE {error} at {per_cm3} droplets per cm3");
     }
+}
+
+#[test]
+fn powder_of_a_sphere_is_its_integral() {
+    // Rays through much thinner ones are lit at once, from one end without light to the other; in much thicker
+    // ones the light rises and falls within a few voxels of the sun's volume: 0.09 at 400, half with twice the voxels.
+    let error = error(Transport::POWDER, 60.0, |t| {
+        // A lobe of g = 0.2, across the sun: (1 - g^2) / (1 + g^2)^1.5.
+        let phase = 0.96 / (4.0 * PI * 1.04f64.powf(1.5));
+        phase * (-t).exp() * (1.0 - (-2.0 * t).exp()) * 2.0
+    });
+    // Measured: 0.010.
+    assert!(error < 0.02, "relative RMSE {error}");
 }
 
 #[test]

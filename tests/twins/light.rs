@@ -86,6 +86,18 @@ fn outside() -> Vec<Twin> {
             let [a, b] = [(); 2].map(|()| random.log(1e-6, 1.0));
             input([[random.asymmetry(), random.between(0.0, 1.0), random.cosine(), 0.0], [a, b, 0.0, 0.0]])
         }),
+        Twin::new(
+            "powder_light",
+            "powder",
+            "return vec4f(powder_light(Species(0.4, 0.7, x[0].x, 1.0, vec4f(1.0), 0.0, 0.0, vec2f(0.0)), x[0].y, x[0].z));",
+            |x| {
+                let [albedo, gathered, cosine, _] = x[0];
+                one(albedo * gathered * henyey_greenstein(0.2, cosine))
+            },
+        )
+        .over("all", |random| {
+            scalars([random.between(0.0, 1.0), random.log(1e-6, 1.0), random.cosine()])
+        }),
     ]
 }
 

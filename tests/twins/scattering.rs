@@ -31,6 +31,12 @@ fn octave_transmittances(x: &Wide) -> [f64; 4] {
     two(octave(0.5), octave(0.25))
 }
 
+/// Twice Beer's law times 1 - e^{-2 t}: light that would fall off three times as fast is taken off.
+fn powder_share(x: &Wide) -> f64 {
+    let [depth, before, after, _] = x[0];
+    2.0 * (sunlight_share(depth, before, after) - sunlight_share(depth, 3.0 * before, 3.0 * after))
+}
+
 /// Optical depth of a stretch, that to the sun before it, and behind it.
 fn stretch(random: &mut Random) -> Input {
     let depth = random.log(1e-6, 1e6);
@@ -160,6 +166,16 @@ fn transmittances() -> Vec<Twin> {
         .edges(grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]))
         .over("all", stretch)
         .over("alike", alike),
+        // Beside what Beer's law alone lets through, of which little is left near the surface.
+        Twin::new("powder_share", "powder", "return vec4f(powder_share(x[0].x, x[0].y, x[0].z));", |x| {
+            one(powder_share(x))
+        })
+        .edges(grid(&[0.0, 0.1, 3.0], &[0.0, 0.3, 9.0], &[0.0, 0.31, 7.0], &[0.0]))
+        .beside(1.0)
+        .over("all", stretch)
+        .beside(1.0)
+        .over("alike", alike)
+        .beside(1.0),
         Twin::new("phase_row", "phase", "return vec4f(phase_row() + 0.0 * x[0].x);", |_| one(0.5 / 7.0))
             .edges(plane(&[0.0], &[0.0])),
         Twin::new("peak_row", "phase", "return vec4f(peak_row(x[0].x));", |x| {

@@ -25,6 +25,7 @@ models! {
     EMITTER: emitter,
     SINGLE: single,
     FORWARD: forward,
+    POWDER: powder,
     OCTAVES: octaves,
     DELTA_EDDINGTON: delta_eddington,
     #[cfg(feature = "slabs")]
