@@ -39,6 +39,24 @@ fn all_library_modules_link_into_one() {
 }
 
 #[test]
+fn functions_of_the_roles_are_there_as_they_are_told() {
+    let text = include_str!("../../ARCHITECTURE.md");
+    let (_, roles) = text.split_once("\n## Roles").unwrap();
+    let (roles, _) = roles.split_once("\n## ").unwrap();
+    let march = ENTRY_POINTS.iter().find(|(name, _)| *name == "march").unwrap().1;
+    let linked: Vec<String> =
+        MEDIA.iter().map(|m| link(march, &[&[*m], Transport::MOMENTS.roles()].concat())).collect();
+    let rows = roles.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" | "));
+    let told = rows.flat_map(|(names, _)| names.split('`').filter(|name| name.contains('(')));
+    let names: Vec<&str> = told.map(|name| name.split('(').next().unwrap()).collect();
+    assert!(names.len() > 12, "{names:?}");
+    for name in names {
+        let head = format!("fn {name}(");
+        assert!(linked.iter().all(|text| text.contains(&head)), "{name}");
+    }
+}
+
+#[test]
 fn no_stage_binds_more_textures_than_leave_five_free() {
     let march = ENTRY_POINTS.iter().find(|(name, _)| *name == "march").unwrap().1;
     // Group 3 is the vertex stage's.
