@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::{Reference, light};
+use super::{Reference, contrast::Relief, light};
 use crate::{
     export::Picture,
     scene::{Camera, Scene},
@@ -40,6 +40,9 @@ pub struct Errors {
     /// `rmse` in the bands of the angle between sunlight and the way to the eye; none where a
     /// band has few pixels.
     pub bands: [Option<f64>; 4],
+    /// Relief inside the clouds over the reference's, at each of [`SCALES`](super::SCALES): below 1 the picture is too flat; none where
+    /// the reference is too noisy to tell.
+    pub contrast: [Option<f64>; 3],
     /// Peak signal to noise ratio of the finished picture, decibels.
     pub psnr: f64,
     /// FLIP of the finished picture, 0 to 1.
@@ -82,6 +85,12 @@ impl Truth<'_> {
         rmse(&self.pixels(drawn))
     }
 
+    fn contrast(&self, drawn: &Picture) -> [Option<f64>; 3] {
+        let light = |found: Option<(f64, f64)>| found.map_or(0.0, |(truth, difference)| truth + difference);
+        let drawn: Vec<f64> = self.differences(drawn).into_iter().map(light).collect();
+        Relief::new(self.reference).ratios(&drawn)
+    }
+
     fn pixels(&self, drawn: &Picture) -> Vec<Pixel> {
         let cosines = cosines(&self.reference.scene, [drawn.width, drawn.height]);
         let differences = self.differences(drawn).into_iter().enumerate();
@@ -108,6 +117,7 @@ impl Truth<'_> {
             bias,
             bias_error,
             bands: bands(&pixels),
+            contrast: self.contrast(drawn),
             psnr: psnr(finished),
             flip: super::flip(finished[0], finished[1], drawn.width),
         }

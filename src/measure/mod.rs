@@ -1,6 +1,7 @@
 //! How far the renderer is from the truth, and what it costs: a corpus of pictures with path
 //! traced references, metrics, time and work.
 
+mod contrast;
 mod corpus;
 mod cost;
 mod crowd;
@@ -17,6 +18,7 @@ mod score;
 mod speed;
 mod speed_page;
 
+pub use contrast::SCALES;
 pub use corpus::{CORPUS, Entry, SIZE, Set};
 pub use cost::{Cost, Stopwatch, Work};
 pub use crowd::{MOST_CLOUDS, crowd, heap};

@@ -121,9 +121,9 @@ fn table(report: &Report) -> String {
             sets(report).into_iter().map(|set| mean_cells(report, model, quality, set)).collect();
         rows += &format!("<tr><th>{model}</th><th>{quality}</th>{errors}{cost}</tr>");
     }
-    let groups: String = sets(report).into_iter().map(|set| format!("<th colspan=7>{set}</th>")).collect();
+    let groups: String = sets(report).into_iter().map(|set| format!("<th colspan=10>{set}</th>")).collect();
     let names =
-        "<th>RMSE</th><th>pooled</th><th>mean</th><th>95 %</th><th>bias</th><th>PSNR</th><th>FLIP</th>"
+        "<th>RMSE</th><th>pooled</th><th>mean</th><th>95 %</th><th>bias</th><th>PSNR</th><th>FLIP</th><th>c 1.5</th><th>c 3</th><th>c 6</th>"
             .repeat(sets(report).len());
     format!(
         "<h2>Means over the scenes</h2><div class=\"wide\"><table><tr><th></th><th></th>{groups}\
@@ -133,17 +133,20 @@ fn table(report: &Report) -> String {
 }
 
 fn mean_cells(report: &Report, model: &str, quality: &str, set: Set) -> String {
-    let Some(mean) = report.mean(model, quality, set) else { return "<td></td>".repeat(7) };
+    let Some(mean) = report.mean(model, quality, set) else { return "<td></td>".repeat(10) };
     let e = &mean.errors;
+    let contrast =
+        e.contrast.map(|ratio| ratio.map_or("<td></td>".to_owned(), |ratio| format!("<td>{ratio:.2}</td>")));
     format!(
-        "{}<td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:+.3}</td><td>{:.1}</td><td>{:.3}</td>",
+        "{}<td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{:+.3}</td><td>{:.1}</td><td>{:.3}</td>{}",
         heat(e.rmse),
         mean.pooled_rmse,
         e.mean_relative,
         e.p95_relative,
         e.bias,
         e.psnr,
-        e.flip
+        e.flip,
+        contrast.concat()
     )
 }
 
@@ -324,8 +327,8 @@ fn about(report: &Report) -> String {
         squared light, over pixels more opaque than 0.3, the reference's variance taken off. Pooled: \
         the root of the mean squared RMSE of the scenes, in which noise is not cut off at 0. Mean and 95 %: of \
         |error| / light. Bias: ratio of the sums of light, less 1. PSNR and FLIP are of finished pictures over \
-        the sky. Numbers of models may be fitted to the scenes of the set fit; nothing is tuned on those held \
-        out. Final quality takes 2 x 2 rays a pixel. Definitions: docs/benchmark.md.</p>{left_out}"
+        the sky. c: relief inside clouds between blurs of so many pixels and twice that, over the reference's. Numbers of models may be fitted to the scenes of the set fit; nothing is tuned on those held \
+        out. Pictures have 3 x 3 rays a pixel. Definitions: docs/benchmark.md.</p>{left_out}"
     )
 }
 

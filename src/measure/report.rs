@@ -91,7 +91,7 @@ impl Report {
     /// A table for terminals.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:<16}{:<9}{:<10}{:>7}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}{:>10}{:>10}{:>9}\n",
+            "{:<16}{:<9}{:<10}{:>7}{:>8}{:>8}{:>8}{:>8}{:>7}{:>7}{:>6}{:>6}{:>6}{:>10}{:>10}{:>9}\n",
             "model",
             "quality",
             "set",
@@ -102,6 +102,9 @@ impl Report {
             "bias",
             "psnr",
             "flip",
+            "c1.5",
+            "c3",
+            "c6",
             "frame ms",
             "light ms",
             "work/px"
@@ -122,7 +125,7 @@ impl Report {
         let (Some(worst), middle) = (noise.last(), noise.len() / 2) else { return String::new() };
         format!(
             "rmse, mean and p95 of |error|, and bias are shares of the clouds' light; pooled is the root of the \
-             mean squared rmse.\nThe noise of the {} references, {:.2} in the median picture and {worst:.2} \
+             mean squared rmse.\nc1.5, c3 and c6: relief inside clouds between blurs of so many pixels and twice that, over the reference's.\nThe noise of the {} references, {:.2} in the median picture and {worst:.2} \
              at most, is taken off; psnr and flip keep it.\nwork/px: evaluations of the density and reads of noise, \
              maps and tables. docs/benchmark.md has the definitions.\n",
             noise.len(),
@@ -144,8 +147,11 @@ impl Report {
             e.psnr,
             e.flip
         );
+        // A string takes whatever it is given.
+        for ratio in e.contrast {
+            let _ = write!(line, "{:>6}", ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}")));
+        }
         if let Some(cost) = self.cost(mean.model, mean.quality) {
-            // A string takes whatever it is given.
             let _ = write!(line, "{:>10.1}{:>10.1}{:>9.0}", cost.frame_ms, cost.light_ms, cost.work);
         }
         line + "\n"

@@ -153,6 +153,7 @@ fn mean_of(errors: &[Errors]) -> Errors {
         bias: of(|e| e.bias),
         bias_error: (of(|e| e.bias_error * e.bias_error) / errors.len().max(1) as f64).sqrt(),
         bands: [0, 1, 2, 3].map(|band| mean(errors.iter().filter_map(|e| e.bands[band]))),
+        contrast: [0, 1, 2].map(|scale| mean(errors.iter().filter_map(|e| e.contrast[scale]))),
         psnr: of(|e| e.psnr),
         flip: of(|e| e.flip),
     }
@@ -178,6 +179,7 @@ mod tests {
             bias,
             bias_error: 0.3,
             bands: [band; 4],
+            contrast: [band.map(|band| 2.0 * band), None, band],
             psnr: 30.0,
             flip: 0.1,
         };
@@ -195,6 +197,7 @@ mod tests {
         assert_eq!((found.len(), found[0].scenes, found[1].scenes), (2, 2, 1));
         assert!((found[0].errors.bias + 0.1).abs() < 1e-12 && (found[0].absolute_bias - 0.2).abs() < 1e-12);
         assert_eq!(found[0].errors.bands, [Some(0.5); 4]);
+        assert_eq!(found[0].errors.contrast, [Some(1.0), None, Some(0.5)]);
         assert!((found[0].pooled_rmse - 0.04f64.sqrt()).abs() < 1e-12);
         // Two independent errors of 0.3.
         assert!((found[0].errors.bias_error - 0.3 / 2f64.sqrt()).abs() < 1e-12);
