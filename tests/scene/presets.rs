@@ -45,7 +45,7 @@ fn presets_are_valid_and_of_moderate_size() {
                 Preset::Fractus => 80..=500,
                 Preset::Field => 5000..=MAX_ELLIPSOIDS,
                 Preset::Drift => 150..=2400,
-                Preset::Humilis => 100..=400,
+                Preset::Humilis => 100..=700,
                 _ if scene.layers().next().is_some() => 0..=0,
                 _ => 250..=2400,
             };

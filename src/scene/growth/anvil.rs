@@ -10,7 +10,7 @@ use super::pile::{Brood, Lump, Part, Pile, mixed};
 use crate::scene::dice::Dice;
 
 const SHEETS: u64 = 150;
-const FIBRES: u64 = 220;
+const FIBRES: u64 = 320;
 const POUCHES: u64 = 700;
 
 /// Height of the anvil's flat top, of the storm's.
@@ -18,7 +18,7 @@ const CEILING: f64 = 0.84;
 
 /// How far the anvil reaches downwind, upwind and across, of the storm's width.
 const DOWNWIND: f64 = 1.8;
-const UPWIND: f64 = 0.5;
+const UPWIND: f64 = 0.42;
 const ACROSS: f64 = 0.75;
 
 /// Grows the anvil on the tower.
@@ -69,10 +69,11 @@ fn reach(way: DVec3) -> f64 {
     1.0 / (across * across + ahead * ahead).sqrt()
 }
 
-/// Half the thickness of the anvil at a share of its reach, of the storm's width.
-fn half_thickness(out: f64) -> f64 {
+/// Half the thickness of the anvil at a share of its reach in a horizontal direction, of the storm's width: it ends
+/// blunt where it spreads against the wind, and thin downwind.
+fn half_thickness(out: f64, way: DVec3) -> f64 {
     let inner = (1.0 - out).max(0.0);
-    0.012 + 0.062 * inner * inner
+    0.012 + 0.062 * inner * inner + 0.04 * out * (-way.x).max(0.0)
 }
 
 /// A place in the anvil: its share of the reach, a horizontal direction, and the place at its flat top.
@@ -97,11 +98,13 @@ fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
         let dice = &mut Dice::new(mixed(key, 100 + i));
         let disc = dice.disc();
         let out = (disc.length() * dice.between(0.8, 1.0)).min(0.92);
-        let (_, at) = place(growth, top, disc, out);
+        let (flat, at) = place(growth, top, disc, out);
+        // The wind draws out what it meets from behind.
+        let drawn = 1.0 - 0.45 * out * (-flat.x).max(0.0);
         let radii = wide
             * DVec3::new(
-                dice.between(0.3, 0.48) * (1.0 - 0.3 * out),
-                half_thickness(out) * dice.between(0.8, 1.2),
+                dice.between(0.3, 0.48) * (1.0 - 0.3 * out) * drawn,
+                half_thickness(out, flat) * dice.between(0.8, 1.2),
                 dice.between(0.2, 0.32) * (1.0 - 0.5 * out),
             );
         // Tops near one level.
@@ -124,7 +127,7 @@ fn sheets(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     }
 }
 
-/// Long thin plumes of ice that the wind draws out of the rim, all around.
+/// Long thin plumes of ice that the wind draws out of the rim.
 fn fibres(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
     let wide = growth.width;
     for i in 0..FIBRES {
@@ -132,12 +135,15 @@ fn fibres(growth: &Growth, top: DVec3, key: u64, pile: &mut Pile) {
         let disc = dice.disc();
         // More of them at the rim.
         let low = dice.unit();
-        let out = 1.06 - 0.35 * low * low;
+        let out = 1.12 - 0.5 * low * low;
         let (flat, at) = place(growth, top, disc, out);
+        if flat.x < -0.2 {
+            continue;
+        }
         let down = 0.5 + 0.5 * flat.x;
         let long = wide * dice.between(0.12, 0.2) * (1.0 + 1.1 * down * dice.unit());
-        let radii = DVec3::new(long, wide * dice.between(0.007, 0.014), long * dice.between(0.1, 0.22));
-        let center = at - DVec3::Y * (radii.y + wide * half_thickness(out) * dice.between(-0.2, 0.8));
+        let radii = DVec3::new(long, wide * dice.between(0.007, 0.014), long * dice.between(0.07, 0.2));
+        let center = at - DVec3::Y * (radii.y + wide * half_thickness(out, flat) * dice.between(-0.2, 0.8));
         let turn = out_from(top, wide, center);
         let (size, key) = (0.3 * wide * (1.2 - out), mixed(key, i));
         pile.put(Lump { center, radii, turn, size, generation: 1, part: Part::Ice, key });

@@ -252,6 +252,11 @@ impl Growth {
         (!uneven).then_some(self.place.y)
     }
 
+    /// Height by width.
+    fn slope(&self) -> f64 {
+        self.height / self.width
+    }
+
     /// Radius of the least lump of `usual` metres when all are there.
     fn least(&self, usual: f64) -> f64 {
         usual + 0.08 * self.width * (1.0 - self.detail)

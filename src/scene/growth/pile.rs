@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 const BURIED: f64 = 0.75;
 
 /// How near the middle of a child may be to another of its generation, of its own radius.
-const CROWDED: f64 = 0.85;
+const CROWDED: f64 = 0.75;
 
 /// Least height of a lump's middle above the base, of its radius.
 const LOWEST: f64 = 0.15;

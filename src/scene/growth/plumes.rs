@@ -27,8 +27,15 @@ pub(super) struct Habit {
     broods: [Brood; 3],
 }
 
+impl Habit {
+    /// Extent of the base along each axis, of half the width.
+    fn base(&self) -> DVec3 {
+        DVec3::new(1.0, 1.0, self.depth)
+    }
+}
+
 const fn brood(tries: u32, lowest: f64, least: f64) -> Brood {
-    Brood { tries, ratio: (0.34, 0.6), seat: 0.84, lowest, least }
+    Brood { tries, ratio: (0.34, 0.6), seat: 0.95, lowest, least }
 }
 
 pub(super) const HUMILIS: Habit = Habit {
@@ -39,8 +46,8 @@ pub(super) const HUMILIS: Habit = Habit {
     flanks: (1, 3),
     waist: 0.34,
     plumes: 36,
-    shelf: 0.42,
-    broods: [brood(12, -0.25, 0.065), brood(9, -0.25, 0.065), brood(5, -0.2, 0.065)],
+    shelf: 0.63,
+    broods: [brood(16, -0.25, 0.056), brood(12, -0.25, 0.056), brood(6, -0.2, 0.056)],
 };
 
 pub(super) const MEDIOCRIS: Habit = Habit {
@@ -51,8 +58,8 @@ pub(super) const MEDIOCRIS: Habit = Habit {
     flanks: (2, 4),
     waist: 0.34,
     plumes: 18,
-    shelf: 0.2,
-    broods: [brood(13, -0.35, 0.07), brood(10, -0.35, 0.07), brood(5, -0.3, 0.07)],
+    shelf: 0.3,
+    broods: [brood(20, -0.35, 0.049), brood(16, -0.35, 0.049), brood(8, -0.3, 0.049)],
 };
 
 pub(super) const CONGESTUS: Habit = Habit {
@@ -63,8 +70,8 @@ pub(super) const CONGESTUS: Habit = Habit {
     flanks: (3, 5),
     waist: 0.3,
     plumes: 26,
-    shelf: 0.2,
-    broods: [brood(14, -0.4, 0.07), brood(10, -0.4, 0.07), brood(5, -0.35, 0.07)],
+    shelf: 0.3,
+    broods: [brood(22, -0.4, 0.049), brood(16, -0.4, 0.049), brood(8, -0.35, 0.049)],
 };
 
 /// Generations of lumps on the turrets of a storm.
@@ -113,44 +120,85 @@ fn heap(growth: &Growth, plumes: &[Plume], broods: &[Brood], pile: &mut Pile) {
 /// Where air rises, and how high: a few turrets, the lower air around them, gaps.
 fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
     let key = mixed(u64::from(growth.seed), 1 + growth.kind as u64);
-    let dice = &mut Dice::new(key);
-    let half = 0.5 * growth.width;
-    let base = DVec3::new(1.0, 1.0, habit.depth);
-    let sunken = growth.height * (0.93 - 0.3 * growth.age);
-    // Where it is taller than wide, one turret stands out.
-    let slender = (growth.height / growth.width - 1.0).clamp(0.0, 1.0);
-    let count = dice.count(habit.cores.0, habit.cores.1);
-    let mut plumes: Vec<Plume> = Vec::new();
-    for i in 0..count {
-        let lesser = dice.between(habit.lesser.0, habit.lesser.1) * (1.0 - 0.4 * slender);
-        let share = if i == 0 { 1.0 } else { lesser };
-        let spread = if i == 0 { 0.4 } else { 0.8 };
-        let foot = apart(dice, &plumes, half, base, spread);
-        let strength = (0.65 + 0.35 * share) * (1.0 + 0.7 * slender);
-        let radius = half * habit.foot * strength * dice.between(0.85, 1.15);
-        let lean = 0.22 * dice.disc();
-        let key = mixed(key, 100 + i as u64);
-        plumes.push(Plume { foot, height: sunken * share, radius, waist: habit.waist, lean, key });
-    }
+    let crowd = Crowd::of(growth);
+    let mut plumes = turrets(growth, habit, &crowd, key);
     let cores = plumes.len();
     for i in 0..cores {
         flank(&mut plumes, i, habit, growth);
     }
-    for i in 0..(habit.plumes as f64 * growth.coverage / 0.7).round() as usize {
-        let dice = &mut Dice::new(mixed(key, 1000 + i as u64));
-        // Around one of the turrets, as far as the rim of the base.
-        let near = &plumes[dice.count(0, cores - 1)];
-        let foot = near.foot + dice.disc() * base * half * 0.62;
+    let count = (habit.plumes as f64 * crowd.many * growth.coverage / 0.7).round() as u64;
+    let low: Vec<_> = (0..count)
+        .filter_map(|i| low_air(growth, habit, &crowd, &plumes[..cores], mixed(key, 1000 + i)))
+        .collect();
+    plumes.extend(low);
+    plumes
+}
+
+/// How turrets share a base: the flatter a cloud is beside what is usual, the more of them there are, and the smaller they are.
+struct Crowd {
+    /// How many times as many as usual.
+    many: f64,
+    /// Radius of the first of them and of the others, of the usual.
+    first: f64,
+    others: f64,
+}
+
+impl Crowd {
+    fn of(growth: &Growth) -> Self {
+        let usual = Growth::new(growth.kind, 0);
+        // Eight times as many at most.
+        let flat = (growth.slope() / usual.slope()).clamp(0.25, 1.0);
+        let few = flat * flat.sqrt();
+        Self { many: 1.0 / few, first: flat.sqrt(), others: few.sqrt() }
+    }
+}
+
+/// Turrets that stand out.
+fn turrets(growth: &Growth, habit: &Habit, crowd: &Crowd, key: u64) -> Vec<Plume> {
+    let dice = &mut Dice::new(key);
+    let (half, base) = (0.5 * growth.width, habit.base());
+    // Where it is taller than wide, one turret stands out.
+    let slender = (growth.slope() - 1.0).clamp(0.0, 1.0);
+    let count = (dice.count(habit.cores.0, habit.cores.1) as f64 * crowd.many).round() as u64;
+    let mut plumes: Vec<Plume> = Vec::new();
+    for i in 0..count {
+        let lesser = dice.between(habit.lesser.0, habit.lesser.1) * (1.0 - 0.4 * slender);
+        let (spread, small) = if i == 0 { (0.4, crowd.first) } else { (0.8, crowd.others) };
+        let foot = apart(dice, &plumes, half, base, spread);
         let out = (foot / base).length() / half;
-        if out > 0.92 {
-            continue;
-        }
-        let height = sunken * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
-        let radius = half * habit.foot * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-        let key = mixed(key, 2000 + i as u64);
-        plumes.push(Plume { foot, height, radius, waist: habit.waist, lean: DVec3::ZERO, key });
+        let share = if i == 0 { 1.0 } else { lesser * (1.0 - out * out * out) };
+        let strength = (0.65 + 0.35 * share) * (1.0 + 0.7 * slender);
+        let radius = half * habit.foot * small * strength * dice.between(0.85, 1.15);
+        let lean = 0.22 * dice.disc();
+        let key = mixed(key, 100 + i);
+        plumes.push(Plume { foot, height: sunken(growth) * share, radius, waist: habit.waist, lean, key });
     }
     plumes
+}
+
+/// A lower plume around one of the turrets `cores`, as far as the rim of the base; none beyond.
+fn low_air(growth: &Growth, habit: &Habit, crowd: &Crowd, cores: &[Plume], key: u64) -> Option<Plume> {
+    let dice = &mut Dice::new(key);
+    let (half, base) = (0.5 * growth.width, habit.base());
+    // One more turret takes some plumes, and leaves the others where they are.
+    let near = cores.iter().max_by_key(|core| mixed(key, core.key))?;
+    let away = dice.disc();
+    let foot = near.foot + away * base * half * 0.62;
+    let out = (foot / base).length() / half;
+    if out > 0.92 {
+        return None;
+    }
+    // Low air is all over, and some is taken along by its turret.
+    let low = sunken(growth) * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
+    let taken = 0.8 * near.height * dice.between(0.5, 1.1) * (1.0 - away.length());
+    let radius = half * habit.foot * crowd.others * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
+    let (height, key) = (low.max(taken), mixed(key, 1));
+    Some(Plume { foot, height, radius, waist: habit.waist, lean: DVec3::ZERO, key })
+}
+
+/// Height of the highest turret, metres: an old cloud has sunken.
+fn sunken(growth: &Growth) -> f64 {
+    growth.height * (0.93 - 0.3 * growth.age)
 }
 
 /// Lower turrets close around turret `core`, of any height below its own, which lean away from it.

@@ -48,27 +48,28 @@ fn make(kind: GrowthKind) -> Make {
     let heap = Make {
         concentration_per_cm3: 300.0,
         effective_radius_um: 11.0,
-        boundary: 0.05,
+        boundary: 0.036,
         wispiness: 0.0,
         blend: 0.15,
         stratification: 0.65,
         dilution: 0.0,
         lee: 0.15,
         veiled_base: 0.3,
-        billows: 0.065,
+        billows: 0.052,
     };
     match kind {
         GrowthKind::Humilis => {
-            Make { concentration_per_cm3: 400.0, boundary: 0.068, wispiness: 0.05, billows: 0.072, ..heap }
+            Make { concentration_per_cm3: 400.0, boundary: 0.049, wispiness: 0.05, billows: 0.058, ..heap }
         }
         GrowthKind::Mediocris => heap,
-        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.046, ..heap },
+        GrowthKind::Congestus => Make { effective_radius_um: 10.0, boundary: 0.033, ..heap },
         GrowthKind::Cumulonimbus => Make {
             concentration_per_cm3: 100.0,
             effective_radius_um: 12.0,
             boundary: 0.036,
             wispiness: 0.05,
             stratification: 0.95,
+            billows: 0.065,
             ..heap
         },
         GrowthKind::Fractus => Make {
