@@ -50,14 +50,18 @@ fn natural(light: vec3f) -> vec3f {
 }
 
 // The same with the contrast of a photograph: brightness by a power, but where it is that of lit clouds. Light
-// scattered often lends clouds few shades of their own.
+// scattered often lends clouds few shades of their own. Below the brightness of shaded clouds contrast is as it
+// was, so that skies do not turn navy.
 const PHOTO_CONTRAST: f32 = 1.22;
 const PHOTO_STILL: f32 = 0.78;
+const PHOTO_TOE: f32 = 0.3;
 
 fn photo(light: vec3f) -> vec3f {
     let x = max(light, vec3f(0.0));
-    let brightness = clamp(natural_brightness(x), 1e-20, 1e20);
-    return natural(pow(brightness / PHOTO_STILL, PHOTO_CONTRAST - 1.0) * x);
+    let brightness = min(natural_brightness(x), 1e15);
+    let toe = PHOTO_TOE * PHOTO_TOE;
+    let square = (brightness * brightness + toe) / (PHOTO_STILL * PHOTO_STILL + toe);
+    return natural(pow(square, 0.5 * (PHOTO_CONTRAST - 1.0)) * x);
 }
 
 const TONE_FILMIC: u32 = 0u;

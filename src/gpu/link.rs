@@ -13,7 +13,12 @@ macro_rules! sources {
 
 /// Every module of `shaders/lib`, pure functions and structs: name and source.
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
-    "air", "atmosphere", "attenuation", "body", "camera", "characteristic", "column", "constants", "density", "depth_volume", "eddington", "ellipsoid", "field", "field_view", "flash", "forward_cone", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice", "path_random", "phase", "powder", "random", "ray_box", "ray_seen", "ray_step", "region", "slab", "slab_direct", "slab_fit", "slab_functions", "slab_light", "slab_view", "species", "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume",
+    "air", "atmosphere", "attenuation", "body", "camera", "characteristic", "column", "constants",
+    "density", "depth_volume", "eddington", "ellipsoid", "field", "field_view", "flash",
+    "forward_cone", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice",
+    "path_random", "phase", "powder", "random", "ray_box", "ray_seen", "ray_step", "region", "slab",
+    "slab_direct", "slab_fit", "slab_functions", "slab_light", "slab_view", "species",
+    "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume",
 );
 
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.
@@ -26,7 +31,10 @@ pub const PARTS: &[&[(&str, &str)]] = &[
 
 /// Every entry point of `shaders`: name and source.
 pub const ENTRY_POINTS: &[(&str, &str)] = sources!("":
-    "aerial", "air_shadow", "compose", "depth_bake", "ground_light", "march", "mips", "moments_around", "moments_entering", "moments_keep", "moments_medium", "moments_prolong", "moments_restrict", "moments_scatter", "moments_sweep", "moments_tile", "moments_view", "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
+    "aerial", "air_shadow", "compose", "depth_bake", "ground_light", "march", "mips",
+    "moments_around", "moments_entering", "moments_keep", "moments_medium", "moments_prolong",
+    "moments_restrict", "moments_scatter", "moments_sweep", "moments_tile", "moments_view",
+    "multiple_scattering", "path", "resolve", "sky", "sky_light", "sky_view",
     "sky_volume", "sun_map", "sun_maps", "sun_normals", "sun_shade", "transmittance", "voxels",
 );
 
