@@ -25,7 +25,11 @@ fn sun_scattered(sum: SunSum, phase: SunPhase, seen: RaySeen) -> vec3f {
     return phase.wide * (sum.single * seen.share);
 }
 
-// What it sees of sunlight scattered within the peak alone, of which `truncated` is the share.
+// What it sees of sunlight scattered within the peak alone, of which `truncated` is the share. Only what came straight through other
+// clouds counts, which is a power of what transport lets through: what their peaks have scattered stands behind as their own
+// light, and comes through this one's peak as any other.
 fn sun_recovered(sum: SunSum, phase: SunPhase, truncated: f32, seen: RaySeen) -> vec3f {
-    return phase.peak * recovered_peak(seen.optical_depth, truncated) * (sum.lit * seen.share) / seen.opacity;
+    let lit = saturate(sum.lit * seen.share / seen.opacity);
+    let straight = pow(lit, 1.0 / (1.0 - truncated));
+    return phase.peak * (recovered_peak(seen.optical_depth, truncated) * straight);
 }

@@ -240,6 +240,35 @@ fn the_shadow_of_another_cloud_is_that_of_what_it_is_made_of() {
 }
 
 #[test]
+fn two_veils_before_the_sun_have_the_glow_of_one_as_thick_as_both() {
+    // What the farther one's peak scatters comes through the nearer one's: it is not to be had from both.
+    let veil = |height: f64, depth: f64| {
+        let concentration = depth / (120.0 * std::f64::consts::TAU * 36e-6);
+        format!(
+            r#"{{"edge": {{"boundary": 0}}, "droplets": {{"concentration_per_cm3": {concentration}, "effective_radius_um": 6}},
+                "ellipsoids": [{{"center": [0, {height}, 0], "radii": [900, 60, 900]}}]}}"#
+        )
+    };
+    let glow = |veils: &[String]| {
+        let scene = scene(&format!(
+            r#"{{"sky": "none", "clouds": [{}], "sun": {{"position": {{"direction": [0, 1, 0]}}, "angular_diameter_deg": 0}},
+                "camera": {{"position": [0, 0, 0], "target": [0, 100, 0], "projection": {{"perspective": {{"vertical_fov_deg": 0.8}}}}}}}}"#,
+            veils.join(", ")
+        ));
+        let mut renderer = renderer(Quality { jitter: false, ..Quality::PREVIEW }, Transport::SINGLE);
+        let row = draw(&mut renderer, &scene, [41, 3], false).pixels[41..82].to_vec();
+        // Light in rings from a third of a degree on.
+        row.iter()
+            .zip(-20..)
+            .filter(|(_, x)| *x > 1)
+            .map(|(p, x)| f64::from(p[1]) * f64::from(x))
+            .sum::<f64>()
+    };
+    let (one, two) = (glow(&[veil(2500.0, 6.0)]), glow(&[veil(2000.0, 3.0), veil(3500.0, 3.0)]));
+    assert!((two / one - 1.0).abs() < 0.25, "{two} {one}");
+}
+
+#[test]
 fn no_lump_behind_the_wall_of_a_brick_is_jumped_over() {
     // Flat lumps side by side, six kilometres of them: bricks are as wide as gaps between lumps.
     let deck = Scene::load("examples/scenes/gallery-glory.json").unwrap();

@@ -111,11 +111,12 @@ fn piece(random: &mut Random) -> Input {
     let sums = [(); 2].map(|()| random.between(0.0, 1.0));
     let [before, after] = [(); 2].map(|()| random.log(1e-6, 1e3));
     let depths = [before, before * random.between(0.0, 1.0), after, after * random.between(0.0, 1.0)];
-    let truncated = random.between(0.0, 0.95);
+    let truncated = random.between(0.0, 0.6);
+    let opacity = random.log(1e-3, 1.0);
     input([
-        [random.log(1e-6, 1e2), random.between(0.0, 1.0), sums[0], sums[1]],
+        [random.log(1e-6, 1e2), random.between(0.0, 1.0), sums[0], sums[1] * opacity],
         depths,
-        [random.log(1e-3, 1.0), random.log(1e-6, 1e4), random.between(1.0, 1.1), truncated],
+        [opacity, random.log(1e-6, 1e4), random.between(1.0, 1.1), truncated],
         light(random, 0.0),
         light(random, 0.0),
     ])
@@ -150,10 +151,10 @@ fn sunlight() -> Vec<Twin> {
             "sun_sum",
             "return vec4f(sun_recovered(SunSum(x[0].z, x[0].w), phases(x), x[2].w, seen(x)), 0.0);",
             |x| {
-                // What is lit, of what is seen, gives what the peak alone has scattered.
-                let ([opacity, depth, share, f], lit) = (x[2], x[0][3] * x[2][2] / x[2][0]);
-                let _ = (opacity, share);
-                three(lit * (-(1.0 - f) * depth).exp() * -(-f * depth).exp_m1() * xyz(x[4]))
+                // What is lit straight, of what is seen, gives what the peak alone has scattered.
+                let ([opacity, depth, share, f], lit) = (x[2], x[0][3]);
+                let straight = (lit * share / opacity).clamp(0.0, 1.0).powf(1.0 / (1.0 - f));
+                three(straight * (-(1.0 - f) * depth).exp() * -(-f * depth).exp_m1() * xyz(x[4]))
             },
         )
         .declaring(PIECE)
