@@ -104,13 +104,16 @@ fn a_low_sun_stays_red_by_the_curve_that_scenes_have_and_turns_yellow_by_film() 
     // Light of a cloud 2 degrees below the sun, measured, from dim to overexposed.
     let hue = |curve| {
         let light = [0.25f32, 0.12, 0.06].map(|x| 0.5 * x);
+        // Many pixels: bytes are dithered.
         let picture = nephos::render::Picture {
-            width: 1,
-            height: 1,
-            pixels: vec![[light[0], light[1], light[2], 1.0]],
+            width: 16,
+            height: 16,
+            pixels: vec![[light[0], light[1], light[2], 1.0]; 256],
         };
         let bytes = picture.finished(gpu(), &mut draft(), Tone { stops: 1.0, curve }).unwrap();
-        let [r, g, b] = [0, 1, 2].map(|c| (f64::from(bytes[c]) / 255.0).powf(2.2));
+        let linear = |byte: u8| ((f64::from(byte) / 255.0 + 0.055) / 1.055).powf(2.4);
+        let [r, g, b] =
+            [0, 1, 2].map(|c| bytes.iter().skip(c).step_by(4).map(|&byte| linear(byte)).sum::<f64>());
         (g - b) / (r - b)
     };
     let (scene, natural, filmic) =

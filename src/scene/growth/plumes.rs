@@ -35,7 +35,7 @@ impl Habit {
 }
 
 const fn brood(tries: u32, lowest: f64, least: f64) -> Brood {
-    Brood { tries, ratio: (0.34, 0.6), seat: 0.95, lowest, least }
+    Brood { tries, ratio: (0.34, 0.6), seat: 0.88, lowest, least }
 }
 
 pub(super) const HUMILIS: Habit = Habit {
@@ -136,7 +136,9 @@ fn plan(growth: &Growth, habit: &Habit) -> Vec<Plume> {
 
 /// How turrets share a base: the flatter a cloud is beside what is usual, the more of them there are, and the smaller they are.
 struct Crowd {
-    /// How many times as many as usual.
+    /// How much flatter than usual it is, 0 to 1.
+    flatness: f64,
+    /// How many times as many turrets as usual there are.
     many: f64,
     /// Radius of the first of them and of the others, of the usual.
     first: f64,
@@ -149,7 +151,7 @@ impl Crowd {
         // Eight times as many at most.
         let flat = (growth.slope() / usual.slope()).clamp(0.25, 1.0);
         let few = flat * flat.sqrt();
-        Self { many: 1.0 / few, first: flat.sqrt(), others: few.sqrt() }
+        Self { flatness: 1.0 - flat, many: 1.0 / few, first: flat.sqrt(), others: few.sqrt() }
     }
 }
 
@@ -166,7 +168,8 @@ fn turrets(growth: &Growth, habit: &Habit, crowd: &Crowd, key: u64) -> Vec<Plume
         let (spread, small) = if i == 0 { (0.4, crowd.first) } else { (0.8, crowd.others) };
         let foot = apart(dice, &plumes, half, base, spread);
         let out = (foot / base).length() / half;
-        let share = if i == 0 { 1.0 } else { lesser * (1.0 - out * out * out) };
+        // Flat clouds are lowest at their rims.
+        let share = if i == 0 { 1.0 } else { lesser * (1.0 - crowd.flatness * out * out) };
         let strength = (0.65 + 0.35 * share) * (1.0 + 0.7 * slender);
         let radius = half * habit.foot * small * strength * dice.between(0.85, 1.15);
         let lean = 0.22 * dice.disc();
