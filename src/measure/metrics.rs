@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::{Reference, contrast::Relief, light};
+use super::{Reference, Relief, light};
 use crate::{
     export::Picture,
     scene::{Camera, Scene},
@@ -85,10 +85,10 @@ impl Truth<'_> {
         rmse(&self.pixels(drawn))
     }
 
-    fn contrast(&self, drawn: &Picture) -> [Option<f64>; 3] {
+    /// Drawn light of every pixel; none where there is no cloud.
+    fn light(&self, drawn: &Picture) -> Vec<f64> {
         let light = |found: Option<(f64, f64)>| found.map_or(0.0, |(truth, difference)| truth + difference);
-        let drawn: Vec<f64> = self.differences(drawn).into_iter().map(light).collect();
-        Relief::new(self.reference).ratios(&drawn)
+        self.differences(drawn).into_iter().map(light).collect()
     }
 
     fn pixels(&self, drawn: &Picture) -> Vec<Pixel> {
@@ -103,8 +103,8 @@ impl Truth<'_> {
     }
 
     /// The errors of `drawn`; `finished` are reference and drawing as screens show them, RGBA
-    /// of 8 bits.
-    pub fn errors(&self, drawn: &Picture, finished: [&[u8]; 2]) -> Errors {
+    /// of 8 bits, and `relief` is the reference's.
+    pub fn errors(&self, drawn: &Picture, finished: [&[u8]; 2], relief: &Relief) -> Errors {
         let pixels = self.pixels(drawn);
         let (mean_relative, p95_relative) = relative(&pixels);
         let (bias, bias_error) = bias(&pixels);
@@ -117,7 +117,7 @@ impl Truth<'_> {
             bias,
             bias_error,
             bands: bands(&pixels),
-            contrast: self.contrast(drawn),
+            contrast: relief.ratios(&self.light(drawn)),
             psnr: psnr(finished),
             flip: super::flip(finished[0], finished[1], drawn.width),
         }

@@ -18,7 +18,7 @@ mod score;
 mod speed;
 mod speed_page;
 
-pub use contrast::SCALES;
+pub use contrast::{Relief, SCALES};
 pub use corpus::{CORPUS, Entry, SIZE, Set};
 pub use cost::{Cost, Stopwatch, Work};
 pub use crowd::{MOST_CLOUDS, crowd, heap};

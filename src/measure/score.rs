@@ -1,6 +1,6 @@
 //! Errors of models on the corpus, and their means.
 
-use super::{Entry, Errors, Reference, SIZE, Set, Truth, draw};
+use super::{Entry, Errors, Reference, Relief, SIZE, Set, Truth, draw};
 use crate::{
     Result,
     export::Picture,
@@ -83,14 +83,14 @@ pub fn score(
 ) -> Result<(Vec<Score>, View)> {
     let scene = &reference.scene;
     let sky = draw::sky(gpu, renderer, scene, SIZE)?;
-    let truth = Truth { reference, sky: &sky };
+    let (truth, relief) = (Truth { reference, sky: &sky }, Relief::new(reference));
     let finished = draw::finished(gpu, renderer, scene, &reference.picture, &sky)?;
     let (mut scores, mut drawn) = (Vec::new(), Vec::new());
     for way in ways {
         way.set(renderer);
         let picture = draw::clouds(gpu, renderer, scene, Film::new(SIZE, RAYS))?;
         let bytes = draw::finished(gpu, renderer, scene, &picture, &sky)?;
-        let errors = truth.errors(&picture, [&finished, &bytes]);
+        let errors = truth.errors(&picture, [&finished, &bytes], &relief);
         let (model, quality) = (way.model.0, way.quality.0);
         scores.push(Score { scene: entry.name, set: entry.set, model, quality, errors });
         if quality == shown {

@@ -111,7 +111,7 @@ fn piece(random: &mut Random) -> Input {
     let sums = [(); 2].map(|()| random.between(0.0, 1.0));
     let [before, after] = [(); 2].map(|()| random.log(1e-6, 1e3));
     let depths = [before, before * random.between(0.0, 1.0), after, after * random.between(0.0, 1.0)];
-    let truncated = random.between(0.0, 0.6);
+    let truncated = random.between(0.0, 0.95);
     let opacity = random.log(1e-3, 1.0);
     input([
         [random.log(1e-6, 1e2), random.between(0.0, 1.0), sums[0], sums[1] * opacity],
