@@ -8,7 +8,5 @@ override PEAK: bool = true;
 override ABSORBING: bool = false;
 // Whether the cloud repeats itself, and with it what was solved for: that is then told for all directions.
 override REPEATS: bool = false;
-// Whether other clouds shade it by a map: what was solved for knows nothing of them.
-override SHADED: bool = false;
 // Whether the light comes from a ball in the cloud and not from outside.
 override FLASH: bool = false;

@@ -87,12 +87,10 @@ fn solved_of_sun(inside: vec3f, after: vec3f) -> f32 {
 fn source_of_sun(ray: LightRay, inside: vec3f, node: Node) -> vec3f {
     count(MAP_READS, 1u);
     let after = -ray.direction;
-    var solved = solved_of_sun(inside, after);
-    if SHADED {
-        let thickness = 1.0 / light.field_scale.y;
-        let below = thickness * saturate(1.0 - inside.y);
-        solved *= shade_diffuse(light_ray_at(ray, node.t), thickness, below, light.mean_free_path * abs(ray.to_sun.y));
-    }
+    let thickness = 1.0 / light.field_scale.y;
+    let below = thickness * saturate(1.0 - inside.y);
+    let deep = light.mean_free_path * abs(ray.to_sun.y);
+    let solved = solved_of_sun(inside, after) * shade_diffuse(light_ray_at(ray, node.t), thickness, below, deep);
     let at = vec2f(phase_coordinate(-ray.to_sun, after), slab_path_coordinate(node.depth.x));
     let beyond = textureSampleLevel(remainder, linear, at, 0.0).rgb;
     return max(vec3f(solved) + beyond, vec3f(0.0));

@@ -3,7 +3,7 @@
 //! nothing is renamed, and a line number in a driver's message can be found.
 //!
 //! A *role* is a name that no module has, such as `medium` in `// @use medium`: who links says which
-//! module fills it.
+//! module fills it. A role by the name of a part takes that part's place.
 
 macro_rules! sources {
     ($folder:literal: $($name:literal),* $(,)?) => {
@@ -23,7 +23,7 @@ pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
 
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.
 pub const PARTS: &[&[(&str, &str)]] = &[
-    sources!("march/": "counts", "crossings", "gather", "shade", "steps"),
+    sources!("march/": "counts", "crossings", "gather", "shade", "shade_map", "steps"),
     sources!("light/": "flags", "openness", "slab_maps", "slab_nodes", "slab_surface", "sunlight", "unshadowed"),
     sources!("medium/": "ellipsoids_at"),
     sources!("path/": "path_flash", "path_medium", "path_state", "path_walk"),
@@ -75,6 +75,15 @@ fn module<'a>(name: &str, roles: &[Role<'a>]) -> &'a str {
     found.map(|(_, source)| *source).unwrap_or_else(|| {
         panic!("no shader module and no role is `{name}`: is it in LIBRARY or PARTS of src/gpu/link.rs?")
     })
+}
+
+/// The part called `name`, to take the place of another.
+///
+/// # Panics
+/// Where there is none: a mistake in the program itself.
+pub fn in_place_of(other: &'static str, name: &str) -> Role<'static> {
+    let found = PARTS.iter().copied().flatten().find(|(known, _)| *known == name);
+    found.map(|(_, source)| (other, *source)).unwrap_or_else(|| panic!("no part `{name}` in src/gpu/link.rs"))
 }
 
 /// The source of the entry point called `name`, with its roles filled.

@@ -16,7 +16,7 @@ pub(crate) use device::{choose, wanted};
 pub(crate) use group::bind_group;
 #[cfg(not(target_arch = "wasm32"))]
 pub use link::validate;
-pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, link};
+pub use link::{ENTRY_POINTS, LIBRARY, PARTS, Role, in_place_of, link};
 pub use made::Made;
 pub(crate) use pack::{Pack, Shelf, one_of};
 pub use readback::{read_buffer, read_texture};

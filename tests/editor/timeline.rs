@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::desk::{Window, open, shoot, wait};
+use crate::{
+    desk::{Window, open, shoot, wait},
+    hands::click,
+};
 use eframe::egui::{Event, Key as Button, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
@@ -39,13 +42,6 @@ fn press(window: &mut Window<'_>, key: Button) {
 
 fn undo(window: &mut Window<'_>) {
     window.key_press_modifiers(Modifiers::COMMAND, Button::Z);
-    window.run_steps(4);
-}
-
-fn click(window: &mut Window<'_>, label: &str) {
-    window.get_by_label(label).scroll_to_me();
-    window.run_steps(3);
-    window.get_by_label(label).click();
     window.run_steps(4);
 }
 

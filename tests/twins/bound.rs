@@ -79,6 +79,7 @@ pub const KINDS: &[(&str, &[(&str, &str)])] = &[
             ("sun_shade", "known_at other_depth"),
             ("crossings", "crossing_of crossing_numbers crossing_packed keep_visibility"),
             ("shade", "sun_depth shade_diffuse"),
+            ("shade_map", "sun_depth shade_diffuse"),
             ("sun_normals", "surface_at"),
             ("voxels", "extinction_at"),
             ("openness", "conductances_at"),

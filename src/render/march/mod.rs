@@ -28,7 +28,7 @@ use crossings::Visibilities;
 use shelves::{Groups, Shelves};
 pub use variant::Variant;
 pub(super) use variant::{EVERYTHING, MATTE, PLACES, VISIBILITY};
-use variant::{pipeline, variant};
+use variant::{is_lit, pipeline, variant};
 
 use super::{
     SceneDepth, Settings, Transport,
@@ -85,6 +85,13 @@ pub(super) struct View<'a> {
     pub mattes: bool,
 }
 
+impl View<'_> {
+    /// The map by which others shade a cloud, where its light is looked for.
+    fn shade(&self, number: usize) -> Option<(wgpu::Buffer, TextureView)> {
+        is_lit(self.entry).then(|| self.shadows.on(number)).flatten()
+    }
+}
+
 /// A cloud ready to be drawn.
 #[derive(Clone)]
 pub(super) struct Draw {
@@ -137,7 +144,8 @@ impl Draw {
 pub(super) struct March {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    shaders: HashMap<(MediumKind, Transport), Shader>,
+    /// By medium, model of light, and whether a map shades the cloud.
+    shaders: HashMap<(MediumKind, Transport, bool), Shader>,
     pipelines: HashMap<(Variant, wgpu::TextureFormat), wgpu::RenderPipeline>,
     /// What each call of a picture binds, in order.
     shelves: Vec<Shelves>,
@@ -213,13 +221,20 @@ impl March {
         let uniforms: Vec<_> = seen.iter().map(|&i| uniform(shared, &frame.clouds[i])).collect();
         let covers: Vec<_> =
             seen.iter().map(|&i| shared.crossings.of(i).map_or(&covers[i], |own| &own.cover)).collect();
-        let kind = media.kind(&frame.clouds[first].medium);
-        // Group 0 is the same whatever fills the roles.
-        self.compiled(&variant(shared, first, kind, false), shared.format);
-        let layouts = &self.shaders[&(kind, shared.settings.transport)].groups;
-        let its_own = |group: usize| {
-            layouts.get(group).and_then(Option::as_ref).expect("the march declares groups 0 and 3")
+        // Group 0 is the same whatever fills the roles, but for the map that shades.
+        let mut layout = |number: usize, group: usize| {
+            let variant = variant(shared, number, media.kind(&frame.clouds[number].medium), false);
+            self.compiled(&variant, shared.format);
+            let layouts = &self.shaders[&key(&variant)].groups;
+            layouts.get(group).and_then(Clone::clone).expect("the march declares groups 0 and 3")
         };
+        let of_vertices = layout(first, 3);
+        let own_layouts = [false, true].map(|shaded| {
+            let one = seen.iter().find(|&&i| shared.shade(i).is_some() == shaded);
+            one.map(|&number| layout(number, 0))
+        });
+        let own_layout =
+            |shaded: bool| own_layouts[usize::from(shaded)].clone().expect("one of those clouds is seen");
         if self.shelves.len() == self.calls {
             self.shelves.push(Shelves::default());
         }
@@ -227,7 +242,7 @@ impl March {
         self.calls += 1;
         self.filled += 1;
         let (firsts, buffers) = shelves.fill(&self.device, &self.queue, shared, &uniforms, &covers);
-        let layouts = [its_own(0), its_own(3)];
+        let layouts: (&dyn Fn(bool) -> _, _) = (&own_layout, &of_vertices);
         let own = (&self.no_depth, self.visibilities.buffer(), &self.linear);
         let groups = shelves.groups(&self.device, shared, layouts, buffers, &seen, own);
         let draw = |(place, &i): (usize, &usize)| {
@@ -257,9 +272,8 @@ impl March {
         if let Some(known) = self.pipelines.get(&(*variant, format)) {
             return known.clone();
         }
-        let key = (variant.medium, variant.transport);
         let new = || Shader::new(&self.device, "march", &variant.roles());
-        let shader = self.shaders.entry(key).or_insert_with(new);
+        let shader = self.shaders.entry(key(variant)).or_insert_with(new);
         let made = pipeline(&self.device, shader, variant, format);
         self.pipelines.insert((*variant, format), made.clone());
         made
@@ -280,7 +294,7 @@ impl March {
         if let Some(known) = light.bound(transport) {
             return (pipeline, Some(known.clone()));
         }
-        let Some(layout) = self.shaders[&(kind, transport)].groups.get(2).and_then(Option::as_ref) else {
+        let Some(layout) = self.shaders[&key(&variant)].groups.get(2).and_then(Option::as_ref) else {
             return (pipeline, None);
         };
         let (device, queue) = (&self.device, &self.queue);
@@ -304,6 +318,11 @@ impl March {
     pub fn variants(&self) -> impl Iterator<Item = &Variant> {
         self.pipelines.keys().map(|(variant, _)| variant)
     }
+}
+
+/// What decides about a shader's text.
+fn key(variant: &Variant) -> (MediumKind, Transport, bool) {
+    (variant.medium, variant.transport, variant.shaded)
 }
 
 /// Stands in where the caller drew nothing; the shader doesn't read it.

@@ -24,8 +24,10 @@ pub(super) struct Shelves {
 /// What the march's own group is made of.
 #[derive(Clone, PartialEq)]
 struct Bound {
-    buffers: [wgpu::Buffer; 7],
-    textures: [TextureView; 4],
+    buffers: [wgpu::Buffer; 6],
+    textures: [TextureView; 3],
+    /// The map that shades a cloud, where one does.
+    shade: Option<(wgpu::Buffer, TextureView)>,
 }
 
 /// Groups for a cloud.
@@ -78,12 +80,12 @@ impl Shelves {
     }
 
     /// The groups of these buffers for each of the clouds `seen`, made anew only where something in them is another one
-    /// than before.
+    /// than before. Layouts are those of a cloud, by whether a map shades it, and of the vertices.
     pub fn groups(
         &mut self,
         device: &wgpu::Device,
         shared: &View<'_>,
-        layouts: [&BindGroupLayout; 2],
+        (own_layout, of_vertices): (&dyn Fn(bool) -> BindGroupLayout, &BindGroupLayout),
         [camera, clouds, tiles, candidates]: [wgpu::Buffer; 4],
         seen: &[usize],
         (no_depth, visibilities, linear): (&TextureView, &wgpu::Buffer, &wgpu::Sampler),
@@ -91,32 +93,25 @@ impl Shelves {
         let sky = shared.sky;
         let mut before = std::mem::take(&mut self.own);
         let mut own_of = |number: usize| {
-            let (map, lit) = shared.shadows.on(number);
-            if let Some((_, group)) = self.own.iter().find(|(bound, _)| bound.textures[3] == *lit) {
+            let shade = shared.shade(number);
+            if let Some((_, group)) = self.own.iter().find(|(bound, _)| bound.shade == shade) {
                 return group.clone();
             }
             let [camera, clouds, tiles, candidates] =
                 [&camera, &clouds, &tiles, &candidates].map(wgpu::Buffer::clone);
             let bound = Bound {
-                buffers: [
-                    camera,
-                    clouds,
-                    tiles,
-                    candidates,
-                    sky.atmosphere().clone(),
-                    map.clone(),
-                    visibilities.clone(),
-                ],
+                buffers: [camera, clouds, tiles, candidates, sky.atmosphere().clone(), visibilities.clone()],
                 textures: [
                     sky.aerial().clone(),
                     shared.depth.map_or(no_depth, |depth| depth.view).clone(),
                     shared.shadows.air().clone(),
-                    lit.clone(),
                 ],
+                shade,
             };
             let known = before.iter().position(|(known, _)| *known == bound);
             let own = known.map(|place| before.swap_remove(place)).unwrap_or_else(|| {
-                let group = own_group(device, shared, layouts[0], &bound, linear);
+                let layout = own_layout(bound.shade.is_some());
+                let group = own_group(device, shared, &layout, &bound, linear);
                 (bound, group)
             });
             self.own.push(own.clone());
@@ -127,7 +122,7 @@ impl Shelves {
         let known = self.vertices.take().filter(|(known, _)| *known == lights);
         let vertices = known.unwrap_or_else(|| {
             let resources = lights.each_ref().map(|view| Some(wgpu::BindingResource::TextureView(view)));
-            let group = gpu::bind_group(device, "lights of the march", layouts[1], &resources);
+            let group = gpu::bind_group(device, "lights of the march", of_vertices, &resources);
             (lights, group)
         });
         let vertices = &self.vertices.insert(vertices).1;
@@ -140,10 +135,10 @@ fn own_group(
     device: &wgpu::Device,
     shared: &View<'_>,
     layout: &BindGroupLayout,
-    Bound { buffers: [camera, clouds, tiles, candidates, air, map, visibilities], textures }: &Bound,
+    Bound { buffers: [camera, clouds, tiles, candidates, air, visibilities], textures, shade }: &Bound,
     linear: &wgpu::Sampler,
 ) -> BindGroup {
-    let [aerial, depth, shadow, lit] = textures;
+    let [aerial, depth, shadow] = textures;
     let texture = |view| Some(wgpu::BindingResource::TextureView(view));
     let resources = [
         Some(camera.as_entire_binding()),
@@ -156,8 +151,8 @@ fn own_group(
         texture(aerial),
         texture(depth),
         texture(shadow),
-        Some(map.as_entire_binding()),
-        texture(lit),
+        shade.as_ref().map(|(map, _)| map.as_entire_binding()),
+        shade.as_ref().and_then(|(_, lit)| texture(lit)),
         Some(visibilities.as_entire_binding()),
     ];
     gpu::bind_group(device, "march", layout, &resources)

@@ -3,7 +3,7 @@
 use super::{MOST_NODES, View};
 use crate::{
     frame::{LitBy, medium::MediumKind},
-    gpu::{ADDS, Role, Shader, Strips, strip_pipeline},
+    gpu::{self, ADDS, Role, Shader, Strips, strip_pipeline},
     render::Transport,
 };
 
@@ -51,7 +51,7 @@ pub struct Variant {
     peak: bool,
     absorbing: bool,
     repeats: bool,
-    shaded: bool,
+    pub(super) shaded: bool,
     crosses: bool,
     light_nodes: u32,
     max_steps: u32,
@@ -60,11 +60,12 @@ pub struct Variant {
 impl Variant {
     /// What fills the shader's roles.
     pub fn roles(&self) -> Vec<Role<'static>> {
-        [&[self.medium.role()], self.transport.roles()].concat()
+        let shade: &[_] = if self.shaded { &[gpu::in_place_of("shade", "shade_map")] } else { &[] };
+        [&[self.medium.role()], self.transport.roles(), shade].concat()
     }
 
     /// Flags and numbers.
-    pub fn overrides(&self) -> [(&'static str, f64); 20] {
+    pub fn overrides(&self) -> [(&'static str, f64); 19] {
         let flag = |on: bool| f64::from(u8::from(on));
         [
             ("COUNTING", flag(self.counting)),
@@ -84,7 +85,6 @@ impl Variant {
             ("PEAK", flag(self.peak)),
             ("ABSORBING", flag(self.absorbing)),
             ("REPEATS", flag(self.repeats)),
-            ("SHADED", flag(self.shaded)),
             ("LIGHT_NODES", f64::from(self.light_nodes)),
             ("MAX_STEPS", f64::from(self.max_steps)),
         ]
@@ -92,7 +92,7 @@ impl Variant {
 }
 
 /// Which way a cloud faces and how far one sees into it has nothing to do with light.
-fn is_lit(entry: &str) -> bool {
+pub(super) fn is_lit(entry: &str) -> bool {
     !matches!(entry, PLACES | VISIBILITY)
 }
 
@@ -130,7 +130,7 @@ pub(super) fn variant(shared: &View<'_>, number: usize, medium: MediumKind, cros
         peak: hides && has_peak && !is_flash,
         absorbing: species.albedo < 1.0,
         repeats: cloud.medium.layer.is_some(),
-        shaded: lit && shared.shadows.are_on(number),
+        shaded: shared.shade(number).is_some(),
         crosses,
         // Light from within changes fast along a ray.
         light_nodes: if is_flash { MOST_NODES } else { settings.quality.light_nodes.clamp(1, MOST_NODES) },

@@ -49,7 +49,6 @@ pub(super) struct Shadows {
     all: Map,
     /// Of what stands before layers, by the layer's number.
     on_layers: HashMap<usize, Map>,
-    none: Map,
     air: TextureView,
     splat: Option<Splat>,
     shade_air: Option<ComputeProgram>,
@@ -73,7 +72,6 @@ impl Shadows {
             reach: 1.0,
             all: Map::new(device),
             on_layers: HashMap::new(),
-            none: Map::new(device),
             air: gpu::view(&air_texture(device, [1; 3])),
             splat: None,
             shade_air: None,
@@ -91,14 +89,10 @@ impl Shadows {
         self.all.bindings()
     }
 
-    /// Whether other clouds shade a cloud by a map.
-    pub fn are_on(&self, number: usize) -> bool {
-        self.on_layers.contains_key(&number)
-    }
-
-    /// The same as [`Shadows::map`], of what stands before a cloud; of nothing where nothing does.
-    pub fn on(&self, number: usize) -> (&wgpu::Buffer, &TextureView) {
-        self.on_layers.get(&number).unwrap_or(&self.none).bindings()
+    /// The same as [`Shadows::map`], of what stands before a cloud, where its light needs it.
+    pub fn on(&self, number: usize) -> Option<(wgpu::Buffer, TextureView)> {
+        let (map, lit) = self.on_layers.get(&number)?.bindings();
+        Some((map.clone(), lit.clone()))
     }
 
     /// What the air before the camera lacks.
