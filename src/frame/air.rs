@@ -35,8 +35,9 @@ pub struct AtmosphereUniform {
 
 impl AtmosphereUniform {
     /// The Earth's, with Bruneton's parameters of 2017 at 680, 550 and 440 nm as Hillaire
-    /// (2020, table 1) gives them. `haze` and `ozone` multiply what there is of them;
-    /// `sun_radius` is the angular radius of the sun's disc, rad.
+    /// (2020, table 1) gives them; aerosol has the albedo and the asymmetry of clean continental air
+    /// at 550 nm (Hess, Koepke and Schult 1998, table 4: 0.972 and 0.709). `haze` and `ozone`
+    /// multiply what there is of them; `sun_radius` is the angular radius of the sun's disc, rad.
     pub fn earth(haze: f32, ozone: f32, ground_albedo: Vec3, sun_radius: f32) -> Self {
         Self {
             rayleigh: Vec3::new(5.802e-6, 13.558e-6, 33.1e-6),
@@ -45,10 +46,10 @@ impl AtmosphereUniform {
             ozone_altitude: 25e3,
             ground_albedo,
             ozone_half_width: 15e3,
-            mie_scattering: haze * 3.996e-6,
+            mie_scattering: haze * 4.316e-6,
             mie_extinction: haze * 4.440e-6,
             mie_height: 1.2e3,
-            mie_g: 0.8,
+            mie_g: 0.7,
             ground_radius: 6360e3,
             thickness: 100e3,
             sun_radius,

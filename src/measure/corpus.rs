@@ -9,7 +9,8 @@ use std::fmt;
 use glam::{DVec3, dvec3};
 
 use crate::scene::{
-    Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Smooth, Sun, SunPosition,
+    Atmosphere, Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Sky, Smooth, Sun,
+    SunPosition,
 };
 
 /// Width and height of every picture, pixels.
@@ -45,9 +46,10 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The scene, the same in every run.
+    /// The scene, the same in every run, in air that is almost pure.
     pub fn scene(&self) -> Scene {
-        Scene { name: self.name.to_owned(), ..(self.make)() }
+        let sky = Sky::Atmosphere(Atmosphere { haze: 1.0, ..Atmosphere::default() });
+        Scene { name: self.name.to_owned(), sky, ..(self.make)() }
     }
 }
 

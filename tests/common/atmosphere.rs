@@ -19,7 +19,7 @@ pub struct Air {
 }
 
 impl Air {
-    pub const EARTH: Self = Self { haze: 1.0, ozone: 1.0, albedo: [0.0; 3], sun_radius: 0.004625 };
+    pub const EARTH: Self = Self { haze: 6.0, ozone: 1.0, albedo: [0.0; 3], sun_radius: 0.004625 };
 
     /// Rayleigh scattering, Mie scattering, extinction at altitude `h`, 1/m.
     pub fn medium(&self, h: f64) -> (Rgb, f64, Rgb) {
@@ -28,7 +28,7 @@ impl Air {
         let tent = self.ozone * (1.0 - (h - 25_000.0).abs() / 15_000.0).max(0.0);
         let ozone = [0.650e-6, 1.881e-6, 0.085e-6].map(|s| s * tent);
         let extinction = std::array::from_fn(|c| rayleigh[c] + 4.44e-6 * haze + ozone[c]);
-        (rayleigh, 3.996e-6 * haze, extinction)
+        (rayleigh, 4.316e-6 * haze, extinction)
     }
 
     /// Optical depth of the first `length` metres of a ray, composite Simpson.
@@ -220,7 +220,7 @@ impl Multiple {
 
 /// Radiance of the air along `ray`, and its transmittance.
 pub fn air_light(air: &Air, multiple: &Multiple, ray: Ray, length: f64, steps: usize) -> (Rgb, Rgb) {
-    let (single, haze) = (rayleigh_phase(ray.nu), haze_phase(0.8, ray.nu));
+    let (single, haze) = (rayleigh_phase(ray.nu), haze_phase(0.7, ray.nu));
     air.march(ray, length, steps, |here, rayleigh, mie| {
         let (sun, again) = (air.sun(here.r, here.mu_sun), multiple.at(here.r, here.mu_sun));
         std::array::from_fn(|c| sun[c] * (rayleigh[c] * single + mie * haze) + again[c] * (rayleigh[c] + mie))

@@ -93,9 +93,9 @@ fn lit_faces_use_the_upper_part_of_the_display_with_the_sun_at_the_side_low_and_
         let at = |share: f64| f64::from(faces[(share * faces.len() as f64) as usize]) / 255.0;
         let (middle, bright) = (at(0.5), at(0.9));
         eprintln!("{azimuth_deg} {elevation_deg}: {middle:.3} {bright:.3}");
-        assert!(middle > 0.55 && middle < 0.93, "{azimuth_deg} {elevation_deg}: {middle}");
+        assert!(middle > 0.5 && middle < 0.93, "{azimuth_deg} {elevation_deg}: {middle}");
         // The red of a low sun's clouds comes close to all that a display has.
-        assert!(bright > 0.82 && bright < 0.999, "{azimuth_deg} {elevation_deg}: {bright}");
+        assert!(bright > 0.75 && bright < 0.999, "{azimuth_deg} {elevation_deg}: {bright}");
     }
 }
 

@@ -196,7 +196,7 @@ fn reference(scene: &Scene, direction: DVec3) -> Rgb {
     let (camera, to_sun) = (scene.camera().position, scene.sun.to_sun());
     let ray = Ray { r: GROUND + camera.y, mu: direction.y, mu_sun: to_sun.y, nu: direction.dot(to_sun) };
     let (length, ends) = ray.length();
-    let (single, haze) = (rayleigh_phase(ray.nu), haze_phase(0.8, ray.nu));
+    let (single, haze) = (rayleigh_phase(ray.nu), haze_phase(0.7, ray.nu));
     let steps = 4000;
     let near = length.min(12e3);
     let step = near / f64::from(steps);

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// The Earth: its lengths are exact in f32, its coefficients are rounded as here.
 pub const EARTH: &str = "const earth = Atmosphere(vec3f(5.802e-6, 13.558e-6, 33.1e-6), 8e3,
-    vec3f(0.650e-6, 1.881e-6, 0.085e-6), 25e3, vec3f(0.1), 15e3, 3.996e-6, 4.44e-6, 1.2e3, 0.8, 6360e3, 100e3,
+    vec3f(0.650e-6, 1.881e-6, 0.085e-6), 25e3, vec3f(0.1), 15e3, 4.316e-6, 4.44e-6, 1.2e3, 0.7, 6360e3, 100e3,
     0.004625, 0.0);";
 pub const GROUND: f64 = 6360e3;
 pub const THICKNESS: f64 = 100e3;
@@ -39,7 +39,7 @@ fn medium(h: f64) -> [f64; 8] {
     let rounded = |x: [f32; 3]| x.map(f64::from);
     let (rayleigh, ozone) =
         (rounded([5.802e-6, 13.558e-6, 33.1e-6]), rounded([0.650e-6, 1.881e-6, 0.085e-6]));
-    let [scattering, extinction] = [3.996e-6f32, 4.44e-6].map(f64::from);
+    let [scattering, extinction] = [4.316e-6f32, 4.44e-6].map(f64::from);
     let mut all = [f64::NAN; 8];
     for c in 0..3 {
         all[c] = air * rayleigh[c];

@@ -54,7 +54,7 @@ fn sky(ui: &mut Ui, document: &mut Document) {
     match &mut sky {
         Sky::Atmosphere(air) => {
             let default = Atmosphere::default();
-            form.slider("Atmosphere.haze", "Haze", &mut air.haze, default.haze, 0.0..=10.0);
+            form.slider("Atmosphere.haze", "Haze", &mut air.haze, default.haze, 0.0..=20.0);
             form.slider("Atmosphere.ozone", "Ozone", &mut air.ozone, default.ozone, 0.0..=4.0);
         }
         Sky::Uniform { radiance } => form.color("Sky.uniform.radiance", "Radiance", radiance, [0.1; 3]),

@@ -151,7 +151,8 @@ impl Crowd {
         // Eight times as many at most.
         let flat = (growth.slope() / usual.slope()).clamp(0.25, 1.0);
         let few = flat * flat.sqrt();
-        Self { flatness: 1.0 - flat, many: 1.0 / few, first: flat.sqrt(), others: few.sqrt() }
+        let first = flat.sqrt().sqrt();
+        Self { flatness: 1.0 - flat, many: 1.0 / few, first, others: few.sqrt() }
     }
 }
 
@@ -165,6 +166,8 @@ fn turrets(growth: &Growth, habit: &Habit, crowd: &Crowd, key: u64) -> Vec<Plume
     let mut plumes: Vec<Plume> = Vec::new();
     for i in 0..count {
         let lesser = dice.between(habit.lesser.0, habit.lesser.1) * (1.0 - 0.4 * slender);
+        // Heads of flat clouds are more of one height.
+        let lesser = lesser + 0.5 * crowd.flatness * (1.0 - lesser);
         let (spread, small) = if i == 0 { (0.4, crowd.first) } else { (0.8, crowd.others) };
         let foot = apart(dice, &plumes, half, base, spread);
         let out = (foot / base).length() / half;
@@ -195,7 +198,9 @@ fn low_air(growth: &Growth, habit: &Habit, crowd: &Crowd, cores: &[Plume], key: 
     let low = sunken(growth) * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
     let taken = 0.8 * near.height * dice.between(0.5, 1.1) * (1.0 - away.length());
     let radius = half * habit.foot * crowd.others * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-    let (height, key) = (low.max(taken), mixed(key, 1));
+    // Air that rises at all is about as tall as wide: no plate sticks out.
+    let least = (1.6 * radius).min(0.6 * sunken(growth));
+    let (height, key) = (low.max(taken).max(least), mixed(key, 1));
     Some(Plume { foot, height, radius, waist: habit.waist, lean: DVec3::ZERO, key })
 }
 
@@ -247,7 +252,9 @@ fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
     // Low air is flat: no lump is taller than it.
     let foot = plume.radius.min(0.62 * plume.height).max(0.2 * plume.radius);
     let shape = Shape::of(plume, foot);
-    let mut at = plume.foot + DVec3::Y * 0.3 * foot;
+    // The base is cut off level; towards the rim less of it is, and it ends round.
+    let out = plume.foot.length() / (0.5 * growth.width);
+    let mut at = plume.foot + DVec3::Y * (0.3 + 0.6 * out * out) * foot;
     let mut radius = foot;
     for step in 0..=40 {
         let rest = plume.height - at.y;

@@ -105,6 +105,6 @@ fn hides(growth: &Growth, hero: &Growth) -> bool {
 
 /// How much of a cloud is told apart: its lumps shall be some hundredths of a degree.
 fn detail(width: f64, away: f64) -> f64 {
-    let share = 5.0 * width / away;
+    let share = 12.0 * width / away;
     (20.0 * share.clamp(0.2, 0.95)).round() / 20.0
 }

@@ -52,8 +52,8 @@ fn make(kind: GrowthKind) -> Make {
         wispiness: 0.0,
         blend: 0.15,
         stratification: 0.65,
-        dilution: 0.0,
-        lee: 0.15,
+        dilution: 0.4,
+        lee: 0.6,
         veiled_base: 0.3,
         billows: 0.052,
     };
@@ -88,6 +88,8 @@ fn make(kind: GrowthKind) -> Make {
             boundary: 0.28,
             wispiness: 0.25,
             blend: 0.7,
+            dilution: 0.0,
+            lee: 0.15,
             billows: 0.7,
             ..heap
         },
