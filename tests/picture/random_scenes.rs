@@ -20,7 +20,7 @@ use proptest::strategy::Strategy;
 
 const SIZE: [u32; 2] = [32, 18];
 /// Scenes of each property in the normal run, and in the long one.
-const FEW: u32 = 3;
+const FEW: u32 = 2;
 const MANY: u32 = 1000;
 
 /// How many scenes the long run tries.

@@ -77,6 +77,9 @@ pub(super) const CONGESTUS: Habit = Habit {
 /// Generations of lumps on the turrets of a storm.
 const STORM: [Brood; 3] = [brood(14, -0.45, 0.045), brood(9, -0.45, 0.045), brood(3, -0.3, 0.045)];
 
+/// Where columns of rising air begin: their lowest lump is cut in a third of its radius.
+pub(super) const RISE: f64 = 0.3;
+
 /// A column of rising air.
 pub(super) struct Plume {
     /// Its foot on the base, metres.
@@ -85,6 +88,8 @@ pub(super) struct Plume {
     pub height: f64,
     /// Radius at the foot, metres.
     pub radius: f64,
+    /// Height of its lowest lump's middle above the base, of its radius: the less of it, the more is cut off level.
+    pub rise: f64,
     /// How much narrower it is at its head.
     pub waist: f64,
     /// Horizontal way, metres by metre of height.
@@ -177,7 +182,15 @@ fn turrets(growth: &Growth, habit: &Habit, crowd: &Crowd, key: u64) -> Vec<Plume
         let radius = half * habit.foot * small * strength * dice.between(0.85, 1.15);
         let lean = 0.22 * dice.disc();
         let key = mixed(key, 100 + i);
-        plumes.push(Plume { foot, height: sunken(growth) * share, radius, waist: habit.waist, lean, key });
+        plumes.push(Plume {
+            foot,
+            height: sunken(growth) * share,
+            radius,
+            rise: RISE,
+            waist: habit.waist,
+            lean,
+            key,
+        });
     }
     plumes
 }
@@ -198,10 +211,12 @@ fn low_air(growth: &Growth, habit: &Habit, crowd: &Crowd, cores: &[Plume], key: 
     let low = sunken(growth) * habit.shelf * dice.between(0.5, 1.4) * (1.2 - 0.7 * out);
     let taken = 0.8 * near.height * dice.between(0.5, 1.1) * (1.0 - away.length());
     let radius = half * habit.foot * crowd.others * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
-    // Air that rises at all is about as tall as wide: no plate sticks out.
-    let least = (1.6 * radius).min(0.6 * sunken(growth));
+    // That of flat clouds is about as tall as wide, and ends round at the rim: no plate sticks out.
+    let flat = (3.0 * crowd.flatness).min(1.0);
+    let least = (1.6 * flat * radius).min(0.6 * sunken(growth));
     let (height, key) = (low.max(taken).max(least), mixed(key, 1));
-    Some(Plume { foot, height, radius, waist: habit.waist, lean: DVec3::ZERO, key })
+    let rise = RISE + 0.6 * flat * out * out;
+    Some(Plume { foot, height, radius, rise, waist: habit.waist, lean: DVec3::ZERO, key })
 }
 
 /// Height of the highest turret, metres: an old cloud has sunken.
@@ -227,7 +242,7 @@ fn flank(plumes: &mut Vec<Plume>, core: usize, habit: &Habit, growth: &Growth) {
         let lean = dice.between(0.0, 0.3) * way;
         if (foot / DVec3::new(1.0, 1.0, habit.depth)).length() < 0.5 * growth.width {
             let key = mixed(key, 400 + i as u64);
-            plumes.push(Plume { foot, height, radius, waist: habit.waist, lean, key });
+            plumes.push(Plume { foot, height, radius, rise: RISE, waist: habit.waist, lean, key });
         }
     }
 }
@@ -252,9 +267,7 @@ fn raise(growth: &Growth, plume: &Plume, pile: &mut Pile) {
     // Low air is flat: no lump is taller than it.
     let foot = plume.radius.min(0.62 * plume.height).max(0.2 * plume.radius);
     let shape = Shape::of(plume, foot);
-    // The base is cut off level; towards the rim less of it is, and it ends round.
-    let out = plume.foot.length() / (0.5 * growth.width);
-    let mut at = plume.foot + DVec3::Y * (0.3 + 0.6 * out * out) * foot;
+    let mut at = plume.foot + DVec3::Y * plume.rise * foot;
     let mut radius = foot;
     for step in 0..=40 {
         let rest = plume.height - at.y;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::Growth;
 use super::pile::mixed;
-use super::plumes::Plume;
+use super::plumes::{Plume, RISE};
 use crate::scene::dice::Dice;
 
 /// Highest point of the turrets, of the storm's height: what is above is left to the dome and the anvil.
@@ -34,6 +34,7 @@ pub(super) fn plan(growth: &Growth) -> Vec<Plume> {
         foot,
         height,
         radius,
+        rise: RISE,
         waist,
         lean: DVec3::ZERO,
         key: mixed(key, turn),

@@ -52,7 +52,7 @@ fn make(kind: GrowthKind) -> Make {
         wispiness: 0.0,
         blend: 0.15,
         stratification: 0.65,
-        dilution: 0.4,
+        dilution: 0.2,
         lee: 0.6,
         veiled_base: 0.3,
         billows: 0.052,
