@@ -66,6 +66,34 @@ fn bases_are_flat_and_at_the_height_of_the_place() {
     }
 }
 
+/// Height above the base of what of an ellipsoid is on a vertical line, m.
+fn top_at(ellipsoid: &Ellipsoid, growth: &Growth, x: f64, z: f64) -> Option<f64> {
+    let to_unit = |v: DVec3| ellipsoid.orientation.inverse() * v / ellipsoid.radii;
+    let (from, along) = (to_unit(growth.place + DVec3::new(x, 0.0, z) - ellipsoid.center), to_unit(DVec3::Y));
+    let (a, b, c) = (along.length_squared(), along.dot(from), from.length_squared() - 1.0);
+    let top = (-b + (b * b - a * c).sqrt()) / a;
+    (top > 0.0).then_some(top)
+}
+
+#[test]
+fn flat_clouds_are_no_plates_with_a_chimney() {
+    let (mut low, mut all) = (0, 0);
+    for seed in 0..8 {
+        let growth =
+            Growth { width: 900.0, height: 300.0, lean: 0.0, ..Growth::new(GrowthKind::Mediocris, seed) };
+        let lumps = growth.ellipsoids();
+        for i in 0..40 * 40 {
+            let [x, z] = [i % 40, i / 40].map(|j| growth.width * (f64::from(j) / 39.0 - 0.5));
+            let top = lumps.iter().filter_map(|lump| top_at(lump, &growth, x, z)).fold(0.0, f64::max);
+            all += usize::from(top > 0.0);
+            low += usize::from(top > 0.0 && top < 0.25 * growth.height);
+        }
+    }
+    let share = low as f64 / all as f64;
+    eprintln!("{share:.3} of {all} columns are low");
+    assert!(share < 0.2, "{share}");
+}
+
 #[test]
 fn no_lump_floats_alone() {
     for kind in GrowthKind::ALL {
