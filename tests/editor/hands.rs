@@ -6,7 +6,7 @@ use crate::desk::Window;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use nephos::{
-    editor::{Action, EllipsoidId, Settings},
+    editor::{Action, EllipsoidId},
     scene::Preset,
 };
 
