@@ -25,7 +25,7 @@ pub(crate) use tiles::Tile;
 pub(super) use tiles::{Cover, MANY, Seen};
 
 use crossings::Visibilities;
-use shelves::{Groups, Shelves};
+use shelves::{Groups, Layouts, Shelves};
 pub use variant::Variant;
 pub(super) use variant::{EVERYTHING, MATTE, PLACES, VISIBILITY};
 use variant::{is_lit, pipeline, variant};
@@ -229,12 +229,11 @@ impl March {
             layouts.get(group).and_then(Clone::clone).expect("the march declares groups 0 and 3")
         };
         let of_vertices = layout(first, 3);
-        let own_layouts = [false, true].map(|shaded| {
+        let own = [false, true].map(|shaded| {
             let one = seen.iter().find(|&&i| shared.shade(i).is_some() == shaded);
             one.map(|&number| layout(number, 0))
         });
-        let own_layout =
-            |shaded: bool| own_layouts[usize::from(shaded)].clone().expect("one of those clouds is seen");
+        let layouts = Layouts { own, of_vertices };
         if self.shelves.len() == self.calls {
             self.shelves.push(Shelves::default());
         }
@@ -242,9 +241,8 @@ impl March {
         self.calls += 1;
         self.filled += 1;
         let (firsts, buffers) = shelves.fill(&self.device, &self.queue, shared, &uniforms, &covers);
-        let layouts: (&dyn Fn(bool) -> _, _) = (&own_layout, &of_vertices);
         let own = (&self.no_depth, self.visibilities.buffer(), &self.linear);
-        let groups = shelves.groups(&self.device, shared, layouts, buffers, &seen, own);
+        let groups = shelves.groups(&self.device, shared, &layouts, buffers, &seen, own);
         let draw = |(place, &i): (usize, &usize)| {
             let light = lights.get(i).expect("those without light were left out");
             let medium = &frame.clouds[i].medium;

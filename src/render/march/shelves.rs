@@ -30,6 +30,13 @@ struct Bound {
     shade: Option<(wgpu::Buffer, TextureView)>,
 }
 
+/// Layouts of groups.
+pub(super) struct Layouts {
+    /// Of a cloud that no map shades, and of one that a map shades, where there are such clouds.
+    pub own: [Option<BindGroupLayout>; 2],
+    pub of_vertices: BindGroupLayout,
+}
+
 /// Groups for a cloud.
 #[derive(Clone)]
 pub(super) struct Groups {
@@ -80,12 +87,12 @@ impl Shelves {
     }
 
     /// The groups of these buffers for each of the clouds `seen`, made anew only where something in them is another one
-    /// than before. Layouts are those of a cloud, by whether a map shades it, and of the vertices.
+    /// than before.
     pub fn groups(
         &mut self,
         device: &wgpu::Device,
         shared: &View<'_>,
-        (own_layout, of_vertices): (&dyn Fn(bool) -> BindGroupLayout, &BindGroupLayout),
+        layouts: &Layouts,
         [camera, clouds, tiles, candidates]: [wgpu::Buffer; 4],
         seen: &[usize],
         (no_depth, visibilities, linear): (&TextureView, &wgpu::Buffer, &wgpu::Sampler),
@@ -110,8 +117,9 @@ impl Shelves {
             };
             let known = before.iter().position(|(known, _)| *known == bound);
             let own = known.map(|place| before.swap_remove(place)).unwrap_or_else(|| {
-                let layout = own_layout(bound.shade.is_some());
-                let group = own_group(device, shared, &layout, &bound, linear);
+                let layout = layouts.own[usize::from(bound.shade.is_some())].as_ref();
+                let layout = layout.expect("there is one for each of the clouds that are seen");
+                let group = own_group(device, shared, layout, &bound, linear);
                 (bound, group)
             });
             self.own.push(own.clone());
@@ -122,7 +130,7 @@ impl Shelves {
         let known = self.vertices.take().filter(|(known, _)| *known == lights);
         let vertices = known.unwrap_or_else(|| {
             let resources = lights.each_ref().map(|view| Some(wgpu::BindingResource::TextureView(view)));
-            let group = gpu::bind_group(device, "lights of the march", of_vertices, &resources);
+            let group = gpu::bind_group(device, "lights of the march", &layouts.of_vertices, &resources);
             (lights, group)
         });
         let vertices = &self.vertices.insert(vertices).1;

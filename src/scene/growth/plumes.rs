@@ -212,10 +212,10 @@ fn low_air(growth: &Growth, habit: &Habit, crowd: &Crowd, cores: &[Plume], key: 
     let taken = 0.8 * near.height * dice.between(0.5, 1.1) * (1.0 - away.length());
     let radius = half * habit.foot * crowd.others * dice.between(0.5, 0.85) * (1.0 - 0.3 * out);
     // That of flat clouds is about as tall as wide, and ends round at the rim: no plate sticks out.
-    let flat = (3.0 * crowd.flatness).min(1.0);
-    let least = (1.6 * flat * radius).min(0.6 * sunken(growth));
+    let shoulders = (3.0 * crowd.flatness).min(1.0);
+    let least = (1.6 * shoulders * radius).min(0.6 * sunken(growth));
     let (height, key) = (low.max(taken).max(least), mixed(key, 1));
-    let rise = RISE + 0.6 * flat * out * out;
+    let rise = RISE + 0.6 * shoulders * out * out;
     Some(Plume { foot, height, radius, rise, waist: habit.waist, lean: DVec3::ZERO, key })
 }
 

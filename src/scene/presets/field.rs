@@ -103,7 +103,7 @@ fn hides(growth: &Growth, hero: &Growth) -> bool {
     growth.place.z > hero.place.z && (bearing(growth) - bearing(hero)).abs() < 0.4
 }
 
-/// How much of a cloud is told apart: its lumps shall be some hundredths of a degree.
+/// How much of a cloud is told apart: the least lumps of far ones shall be a seventh of a degree.
 fn detail(width: f64, away: f64) -> f64 {
     let share = 12.0 * width / away;
     (20.0 * share.clamp(0.2, 0.95)).round() / 20.0
