@@ -1,5 +1,5 @@
 // The background: sky, ground and the sun's disc, into a linear target.
-// @use atmosphere camera sun_disc sun_map
+// @use atmosphere camera sun_disc sun_map ground_kind
 
 // Is the sky an atmosphere, or the same everywhere?
 override ATMOSPHERE: bool = true;
@@ -7,6 +7,8 @@ override ATMOSPHERE: bool = true;
 override SUN_DISC: bool = true;
 // Do clouds cast shadows, on the ground and in the air?
 override SHADED: bool = false;
+// Is the ground more than even?
+override GROUND: bool = false;
 
 @group(0) @binding(0) var<uniform> sky: Sky;
 @group(0) @binding(1) var<uniform> camera: Camera;
@@ -14,8 +16,9 @@ override SHADED: bool = false;
 @group(0) @binding(3) var sky_view: texture_2d<f32>;
 @group(0) @binding(4) var linear_sampler: sampler;
 @group(0) @binding(5) var<uniform> map: SunMap;
-@group(0) @binding(6) var lit: texture_2d_array<f32>;
+@group(0) @binding(6) var lit_map: texture_2d_array<f32>;
 @group(0) @binding(7) var air_shadow: texture_3d<f32>;
+@group(0) @binding(8) var ground_table: texture_2d<f32>;
 
 struct Corner {
     @builtin(position) position: vec4f,
@@ -34,8 +37,8 @@ struct Corner {
     var radiance = sky.radiance;
     if ATMOSPHERE {
         var light = air_and_ground(direction);
-        if SHADED {
-            light = max(light - shadows(ray, vec2f(0.5, -0.5) * ndc + 0.5), vec3f(0.0));
+        if SHADED || GROUND {
+            light = max(light + of_the_scene(ray, ndc), vec3f(0.0));
         }
         radiance = sky.irradiance * light;
     }
@@ -60,20 +63,42 @@ fn air_and_ground(direction: vec3f) -> vec3f {
     return light / TABLE_SCALE;
 }
 
-// What is lacking of that behind clouds: light of the ground, and of the air before it.
-fn shadows(ray: Ray, uv: vec2f) -> vec3f {
+// What is more or less than that: shadows of clouds on the ground and in the air before it, and what the ground is like.
+fn of_the_scene(ray: Ray, ndc: vec2f) -> vec3f {
     let a = sky.atmosphere;
     let altitude = max(camera.altitude + ray.origin.y, 0.0);
     let mu = ray.direction.y;
     let below = 1.0 - share_above(a, altitude, mu, camera.pixel);
     let down = min(mu, horizon_mu(a, altitude));
     let to_ground = distance_to_ground(a, altitude, down);
-    let end = select(to_ground, sky.aerial_reach, below < 0.5);
-    let air = aerial_perspective(air_shadow, linear_sampler, uv, end, map.reach).rgb;
-    let light = sun_map_ground(map, lit, linear_sampler, ray.origin + to_ground * ray.direction);
     var view = air_ray(altitude, ray.direction, sky.to_sun);
     view.mu = down;
-    return air + below * ground_shadow(a, transmittance, linear_sampler, view, to_ground, light.x + light.y);
+    var lit = vec2f(1.0, 0.0);
+    var more = vec3f(0.0);
+    if SHADED {
+        let uv = vec2f(0.5, -0.5) * ndc + 0.5;
+        let end = select(to_ground, sky.aerial_reach, below < 0.5);
+        let air = aerial_perspective(air_shadow, linear_sampler, uv, end, map.reach).rgb;
+        lit = sun_map_ground(map, lit_map, linear_sampler, ray.origin + to_ground * ray.direction);
+        more -= air + below * ground_shadow(a, transmittance, linear_sampler, view, to_ground, lit.x + lit.y);
+    }
+    if GROUND {
+        var at = ground_point(a, transmittance, ground_table, linear_sampler, view, ray.direction, sky.to_sun, to_ground, lit);
+        at.place = ground_place(ndc);
+        at.right = ground_place(ndc + vec2f(2.0 / camera.size.x, 0.0)) - at.place;
+        at.down = ground_place(ndc - vec2f(0.0, 2.0 / camera.size.y)) - at.place;
+        more += below * ground_more(a, at);
+    }
+    return more;
+}
+
+// Where the ray of a place on the picture meets the ground, from the camera to the east and to the south, m; beyond the
+// horizon, where it is nearest to it.
+fn ground_place(ndc: vec2f) -> vec2f {
+    let ray = camera_ray(camera, ndc);
+    let altitude = max(camera.altitude + ray.origin.y, 0.0);
+    let down = min(ray.direction.y, horizon_mu(sky.atmosphere, altitude));
+    return ray.origin.xz + distance_to_ground(sky.atmosphere, altitude, down) * ray.direction.xz;
 }
 
 // Radiance of the disc of the sun, through the air.

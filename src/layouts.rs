@@ -6,7 +6,7 @@ use wgpu::naga::{Expression, Literal, Module, TypeInner, proc::Layouter};
 
 use crate::{
     frame::{
-        CameraUniform, MEDIA, MIXED,
+        CameraUniform, GroundShader, GroundUniform, MEDIA, MIXED,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
             LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, NoiseFrame, PEAKS,
@@ -44,7 +44,7 @@ macro_rules! layout {
 
 /// A shader whose roles are filled by ellipsoids and a model of light.
 fn module(entry_point: &str, light: Transport) -> Module {
-    let roles = [&MEDIA[..1], light.roles()].concat();
+    let roles = [&[MEDIA[0], GroundShader::Even.role()], light.roles()].concat();
     gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap()
 }
 
@@ -55,7 +55,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
         "PlacedLayer" | "PlacedMesh" | "PlacedVolume" | "Mixed" => MIXED,
         _ => MEDIA[0],
     };
-    let roles = [&[medium], Transport::default().roles()].concat();
+    let roles = [&[medium, GroundShader::Land.role()], Transport::default().roles()].concat();
     let module = gpu::validate(&gpu::entry_point(entry_point, &roles)).unwrap();
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).unwrap();
@@ -69,7 +69,7 @@ fn in_shader(entry_point: &str, name: &str) -> Layout {
 
 #[test]
 fn structs_of_rust_and_shaders_agree() {
-    let cases: [(&str, &str, Layout); 27] = [
+    let cases: [(&str, &str, Layout); 28] = [
         ("path", "Grid", layout!(GridUniform: low, cell, size, first, repeats, more)),
         ("path", "PlacedLayer", layout!(PlacedLayerUniform: layer, origin, body)),
         ("path", "PlacedVolume", layout!(PlacedVolumeUniform: volume, origin, body)),
@@ -121,6 +121,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Volume",
             layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, widest, mixed, levels),
         ),
+        ("sky", "Ground", layout!(GroundUniform: offset, edge, variation, slope_variance)),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (
             "march",
@@ -253,7 +254,7 @@ fn a_mixture_has_the_room_that_the_shader_takes() {
 fn every_binding_is_declared_in_a_statement_of_its_own() {
     for (name, _) in gpu::ENTRY_POINTS {
         for transport in Transport::all() {
-            let roles = [&MEDIA[..1], transport.roles()].concat();
+            let roles = [&[MEDIA[0], GroundShader::Land.role()], transport.roles()].concat();
             let text = gpu::entry_point(name, &roles);
             assert_eq!(gpu::declared_bindings(&text), text.matches("@binding(").count(), "{name}");
         }
@@ -264,7 +265,8 @@ fn every_binding_is_declared_in_a_statement_of_its_own() {
 fn workgroup_sizes_are_those_that_naga_reads() {
     let mut compute = 0;
     for (name, _) in gpu::ENTRY_POINTS {
-        let linked = gpu::entry_point(name, &[&MEDIA[..1], Transport::default().roles()].concat());
+        let roles = [&[MEDIA[0], GroundShader::Even.role()], Transport::default().roles()].concat();
+        let linked = gpu::entry_point(name, &roles);
         for point in gpu::validate(&linked).unwrap().entry_points {
             if point.stage == wgpu::naga::ShaderStage::Compute {
                 assert_eq!(gpu::workgroup_size(&linked), point.workgroup_size, "{name}");

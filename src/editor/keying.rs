@@ -35,6 +35,7 @@ impl Keying {
             "Scene" => String::new(),
             "SunPosition" => format!("{}.position", sun()),
             "Atmosphere" => "sky.atmosphere".to_owned(),
+            "Land" | "Water" => format!("ground.kind.{}", kind.to_lowercase()),
             "Projection" => "camera.projection".to_owned(),
             "Sun" => sun(),
             "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),

@@ -3,6 +3,7 @@
 
 mod air;
 mod camera;
+mod ground;
 mod light;
 mod matrices;
 pub(crate) mod medium;
@@ -15,12 +16,13 @@ pub(crate) use air::AERIAL_REACH;
 pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use camera::CameraUniform;
 pub(crate) use camera::Rays;
+pub use ground::{GroundSettings, GroundShader, GroundUniform};
 pub(crate) use light::{FrameLight, LitBy};
 pub use medium::{MEDIA, MIXED, NOISE_SIZE, bake_noise};
 
 use crate::{
     Error, Result,
-    scene::{self, Scene},
+    scene::{self, GroundKind, Scene},
 };
 use medium::{LayerShape, Medium};
 pub(crate) use shared::Shared;
@@ -38,6 +40,7 @@ pub struct Frame {
     pub(crate) sky: SkySettings,
     /// Altitude of the ground, m.
     pub(crate) ground: f64,
+    ground_kind: GroundKind,
     pub(crate) clouds: Vec<CloudFrame>,
     /// What 1 stands for in the lights of sun and sky.
     unit: f32,
@@ -89,6 +92,7 @@ impl Frame {
             by: LitBy::Sky,
             lights: FrameLight::all(&moved),
             ground: moved.ground.altitude,
+            ground_kind: moved.ground.kind.clone(),
             clouds: clouds(&moved)?,
             unit: 1.0,
         };
@@ -157,6 +161,11 @@ impl Frame {
         }
         frame.camera = CameraUniform::from_square(to_sun, extent, center.y - frame.ground, size);
         Ok(frame.seen_at(center))
+    }
+
+    /// What the ground looks like from the camera.
+    pub(crate) fn ground_settings(&self) -> GroundSettings {
+        GroundSettings::new(&self.ground_kind, self.camera_position)
     }
 
     /// Width and height of the picture, pixels.

@@ -15,10 +15,10 @@ macro_rules! sources {
 pub const LIBRARY: &[(&str, &str)] = sources!("lib/":
     "air", "atmosphere", "attenuation", "body", "camera", "characteristic", "column", "constants",
     "density", "depth_volume", "eddington", "ellipsoid", "field", "field_view", "flash",
-    "forward_cone", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice",
+    "forward_cone", "ground", "harmonics", "layer", "light_box", "lighting", "noise", "octave", "path_choice",
     "path_random", "phase", "powder", "random", "ray_box", "ray_seen", "ray_step", "region", "slab",
     "slab_direct", "slab_fit", "slab_functions", "slab_light", "slab_view", "species",
-    "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume",
+    "sphere_grid", "sun_disc", "sun_map", "sun_sum", "tonemap", "visibility", "volume", "water",
 );
 
 /// Parts of the march, of models of light and of the path tracer that have bindings, overrides or state.

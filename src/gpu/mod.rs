@@ -25,7 +25,7 @@ pub(crate) use shader::{ADDS, Shader, Strips, draw_screen, screen_pipeline, stri
 pub use texture::{
     TextureDesc, half_texture, linear_clamp, linear_repeat, storage_buffer, texture, uniform_buffer,
 };
-pub(crate) use texture::{UNIFORM, linear_clamp_flat, mip, view};
+pub(crate) use texture::{UNIFORM, linear_clamp_flat, linear_repeat_layers, mip, view};
 pub use timing::{PassTime, Timing};
 #[cfg(test)]
 pub(crate) use {group::declared_bindings, link::entry_point, shader::workgroup_size};

@@ -286,13 +286,13 @@ pub(crate) const ADDS: wgpu::BlendState = wgpu::BlendState {
 /// triangle over all of a target: a format alone for one without blending.
 pub(crate) fn screen_pipeline(
     device: &wgpu::Device,
-    name: &str,
+    (name, roles): (&str, &[Role<'_>]),
     overrides: &[(&str, f64)],
     target: impl Into<wgpu::ColorTargetState>,
 ) -> wgpu::RenderPipeline {
     let targets = &[Some(target.into())];
     let strips = Strips { label: name, entries: ["vertex", "fragment"], overrides, targets };
-    strip_pipeline(device, &Shader::new(device, name, &[]), &strips)
+    strip_pipeline(device, &Shader::new(device, name, roles), &strips)
 }
 
 /// Records the pass of such a pipeline over all of `target`, which it clears first.

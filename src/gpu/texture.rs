@@ -93,6 +93,14 @@ pub(crate) fn linear_clamp_flat(device: &wgpu::Device) -> wgpu::Sampler {
     })
 }
 
+/// Linear sampler of a volume whose layers repeat themselves, but do not follow upon one another.
+pub(crate) fn linear_repeat_layers(device: &wgpu::Device) -> wgpu::Sampler {
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_w: wgpu::AddressMode::ClampToEdge,
+        ..linear(wgpu::AddressMode::Repeat)
+    })
+}
+
 fn sampler(device: &wgpu::Device, address: wgpu::AddressMode) -> wgpu::Sampler {
     device.create_sampler(&linear(address))
 }

@@ -13,7 +13,7 @@ const YAWS: [(f64, f64); 5] = [(0.0, 1.0), (0.28, 0.96), (0.6, 0.8), (0.8, 0.6),
 ///
 /// Only sums, products and square roots, which IEEE 754 rounds the same everywhere:
 /// no sine, which does not.
-pub(super) struct Dice(ChaCha8Rng);
+pub(crate) struct Dice(ChaCha8Rng);
 
 impl Dice {
     pub fn new(seed: u64) -> Self {

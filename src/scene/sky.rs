@@ -1,15 +1,14 @@
-//! What surrounds the clouds: the air above, the land below.
+//! The air around the clouds.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::{At, COORDINATE, Limits};
+use super::validate::{At, Limits};
 use crate::Result;
 
 const RADIANCE: Limits = Limits::new(0.0, 1e6, "");
 const HAZE: Limits = Limits::new(0.0, 20.0, "");
 const OZONE: Limits = Limits::new(0.0, 20.0, "");
-const ALBEDO: Limits = Limits::new(0.0, 1.0, "");
 
 /// The light of the sky and what is seen behind the clouds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,20 +39,6 @@ pub struct Atmosphere {
     pub ozone: f64,
 }
 
-/// The land below: a plane that reflects light evenly in all directions. Under an atmosphere it is round as the
-/// Earth to the eye, and hides what is below and behind it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Ground {
-    /// Linear RGB share of the light that the ground reflects, each 0 to 1: land
-    /// 0.1, sea 0.05, sand 0.3, fresh snow 0.9.
-    #[schemars(inner(range(min = ALBEDO.min, max = ALBEDO.max)))]
-    pub albedo: [f64; 3],
-    /// Height of the ground, the y of its plane, metres.
-    #[schemars(range(min = COORDINATE.min, max = COORDINATE.max), extend("unit" = COORDINATE.unit))]
-    pub altitude: f64,
-}
-
 impl Default for Sky {
     fn default() -> Self {
         Self::Atmosphere(Atmosphere::default())
@@ -63,14 +48,6 @@ impl Default for Sky {
 impl Default for Atmosphere {
     fn default() -> Self {
         Self { haze: 6.0, ozone: 1.0 }
-    }
-}
-
-impl Default for Ground {
-    /// Land without snow. The mean is the average ground reflectance 0.1 of Bruneton
-    /// and Neyret (2008); its warm tint, soil between grass, is a matter of taste.
-    fn default() -> Self {
-        Self { albedo: [0.12, 0.11, 0.07], altitude: 0.0 }
     }
 }
 
@@ -91,12 +68,5 @@ impl Atmosphere {
     fn check(&self, at: At) -> Result<()> {
         at.field("haze").number(self.haze, HAZE)?;
         at.field("ozone").number(self.ozone, OZONE)
-    }
-}
-
-impl Ground {
-    pub(super) fn check(&self, at: At) -> Result<()> {
-        at.field("albedo").numbers(&self.albedo, ALBEDO)?;
-        at.field("altitude").number(self.altitude, COORDINATE)
     }
 }

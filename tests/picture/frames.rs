@@ -10,7 +10,7 @@ use nephos::{
     gpu::Made,
     measure::crowd,
     render::{Frame, Quality, Renderer, Target, Transport},
-    scene::{Camera, Scene},
+    scene::{Camera, GroundKind, Land, Scene, Water},
 };
 
 const SIZE: [u32; 2] = [64, 36];
@@ -67,15 +67,18 @@ fn frame(scene: &Scene, metres: f64) -> Frame {
 
 #[test]
 fn a_still_frame_makes_nothing_and_need_not_be_drawn() {
-    let scene = crowd(5);
+    let mut scene = crowd(5);
     let mut window = Window::new();
-    assert!(!window.shows(&frame(&scene, 0.0)), "nothing is drawn yet");
-    assert_ne!(window.draw(&frame(&scene, 0.0)), Made::default(), "else the test would prove nothing");
-    let (first, light) = (window.picture(), window.renderer.light_updates());
-    // A frame of the same scene, made anew.
-    assert!(window.shows(&frame(&scene, 0.0)));
-    assert_eq!(window.draw(&frame(&scene, 0.0)), Made::default());
-    assert_eq!((window.picture(), window.renderer.light_updates()), (first, light));
+    for kind in [GroundKind::Even, GroundKind::Land(Land::default()), GroundKind::Water(Water::default())] {
+        scene.ground.kind = kind;
+        assert!(!window.shows(&frame(&scene, 0.0)), "nothing is drawn yet");
+        assert_ne!(window.draw(&frame(&scene, 0.0)), Made::default(), "else the test would prove nothing");
+        let (first, light) = (window.picture(), window.renderer.light_updates());
+        // A frame of the same scene, made anew.
+        assert!(window.shows(&frame(&scene, 0.0)));
+        assert_eq!(window.draw(&frame(&scene, 0.0)), Made::default());
+        assert_eq!((window.picture(), window.renderer.light_updates()), (first, light));
+    }
 }
 
 #[test]

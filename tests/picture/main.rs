@@ -12,6 +12,7 @@ mod exposure;
 mod extremes;
 mod frames;
 mod ground;
+mod land_and_water;
 mod layers;
 mod light_turns;
 mod lights;

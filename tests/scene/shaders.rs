@@ -1,7 +1,7 @@
 //! Every shader links, parses and validates with every module that can fill its roles; names are unique.
 
 use nephos::{
-    frame::MEDIA,
+    frame::{GroundShader, MEDIA},
     gpu::{ENTRY_POINTS, LIBRARY, Role, in_place_of, link, validate},
     render::Transport,
 };
@@ -16,7 +16,9 @@ fn roles() -> impl Iterator<Item = Vec<Role<'static>>> {
     let usual = MEDIA
         .iter()
         .flat_map(|medium| Transport::all().map(move |light| [&[*medium], light.roles()].concat()));
-    usual.flat_map(|roles| [[roles.as_slice(), &[shade_map()]].concat(), roles])
+    let shaded = usual.flat_map(|roles| [[roles.as_slice(), &[shade_map()]].concat(), roles]);
+    let ground = |roles: &[Role<'static>], kind: GroundShader| [roles, &[kind.role()]].concat();
+    shaded.flat_map(move |roles| GroundShader::ALL.map(|kind| ground(&roles, kind)))
 }
 
 /// Ways to link an entry point that differ.

@@ -18,6 +18,7 @@ mod common;
 mod definitions;
 mod geometry;
 mod grids;
+mod ground;
 mod harness;
 mod layer;
 mod light;
@@ -38,7 +39,7 @@ mod visibility;
 mod volume;
 
 use harness::{Regime, Twin, error};
-use nephos::frame::{MEDIA, MIXED};
+use nephos::frame::{GroundShader, MEDIA, MIXED};
 use nephos::gpu::{ENTRY_POINTS, LIBRARY, PARTS};
 use nephos::render::Transport;
 
@@ -71,6 +72,11 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("transmittance_to_ground", "the same"),
     ("ground_shadow", "the same"),
     (
+        "ground_point",
+        "reads tables: tests/picture/ground.rs compares pictures of ground with the reference, as the next",
+    ),
+    ("ground_diffuse", "the same"),
+    (
         "sun_map_in",
         "reads the map: tests/picture/shadows.rs compares it with pictures from the sun, as the next",
     ),
@@ -95,6 +101,7 @@ fn twins() -> Vec<Twin> {
         sky::twins(),
         shadow::twins(),
         grids::twins(),
+        ground::twins(),
         picture::twins(),
         builtins::twins(),
         march::twins(),
@@ -170,6 +177,7 @@ fn bound_modules() -> Vec<(&'static str, &'static str)> {
         .chain(ENTRY_POINTS.iter().copied())
         .chain(MEDIA.iter().copied())
         .chain([MIXED])
+        .chain(GroundShader::ALL.map(GroundShader::role))
         .chain(models)
         .collect()
 }

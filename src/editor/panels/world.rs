@@ -7,7 +7,10 @@ use glam::DVec3;
 use super::{LightsPanel, SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
-    scene::{Aperture, Atmosphere, Camera, Cloud, Ground, Noise, Projection, Scene, Sky, ToneCurve},
+    scene::{
+        Aperture, Atmosphere, Camera, Cloud, Ground, GroundKind, Land, Noise, Projection, Scene, Sky,
+        ToneCurve, Water,
+    },
 };
 
 /// What this panel asks of others.
@@ -218,6 +221,23 @@ fn ground(ui: &mut Ui, document: &mut Document) {
     let mut form = Form::new(ui).keyed(document, "");
     form.color("Ground.albedo", "Albedo", &mut ground.albedo, default.albedo);
     form.number("Ground.altitude", "Altitude", &mut ground.altitude, default.altitude);
+    let kinds = [
+        ("Even", choice("GroundKind.even"), GroundKind::Even),
+        ("Land", choice("GroundKind.land"), GroundKind::Land(Land::default())),
+        ("Water", choice("GroundKind.water"), GroundKind::Water(Water::default())),
+    ];
+    form.choice("Ground.kind", "Kind", &mut ground.kind, &kinds);
+    match &mut ground.kind {
+        GroundKind::Even => {}
+        GroundKind::Land(land) => {
+            let default = Land::default();
+            form.slider("Land.variation", "Variation", &mut land.variation, default.variation, 0.0..=1.0);
+            form.number("Land.field_width", "Field width", &mut land.field_width, default.field_width);
+        }
+        GroundKind::Water(water) => {
+            form.slider("Water.wind", "Wind", &mut water.wind, Water::default().wind, 0.0..=20.0);
+        }
+    }
     let change = form.changed();
     apply(document, change, |scene| scene.ground = ground);
 }

@@ -39,7 +39,7 @@ pub(super) struct Compose {
 
 impl Compose {
     pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
-        Self { pipeline: gpu::screen_pipeline(device, "compose", &[], format) }
+        Self { pipeline: gpu::screen_pipeline(device, ("compose", &[]), &[], format) }
     }
 
     pub fn draw(

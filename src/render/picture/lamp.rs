@@ -132,6 +132,7 @@ impl Lamp {
     pub fn prepare_sky(&mut self, room: &Room<'_>, encoder: &mut wgpu::CommandEncoder, frame: &Frame) {
         let Room { device, queue, timing, .. } = *room;
         self.redone += self.sky.prepare(device, queue, encoder, &frame.sky, &frame.camera, timing).count();
+        self.sky.prepare_ground(device, queue, encoder, &frame.ground_settings(), timing);
     }
 
     /// Makes its light in the clouds and then its shadows, under this sky or under its own.

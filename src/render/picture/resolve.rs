@@ -85,7 +85,7 @@ impl Resolve {
         let pipeline = self
             .pipelines
             .entry(format)
-            .or_insert_with(|| gpu::screen_pipeline(device, "resolve", &[], format));
+            .or_insert_with(|| gpu::screen_pipeline(device, ("resolve", &[]), &[], format));
         let uniform = gpu::uniform_buffer(device, "resolve", &uniform(rays, shown));
         let resources =
             [Some(uniform.as_entire_binding()), Some(wgpu::BindingResource::TextureView(picture))];

@@ -2,7 +2,7 @@
 
 use wgpu::TextureFormat;
 
-use crate::gpu;
+use crate::{frame::GroundShader, gpu};
 
 /// The background's pipeline, of one kind of sky, into one kind of target.
 pub(super) struct Background {
@@ -18,6 +18,8 @@ pub(super) struct BackgroundKind {
     pub sun_disc: bool,
     /// Whether clouds cast shadows.
     pub shaded: bool,
+    /// What the ground is like.
+    pub ground: GroundShader,
     /// Whether its light comes on top of what is there.
     pub adds: bool,
 }
@@ -32,8 +34,9 @@ pub(super) fn background_pipeline(
         ("ATMOSPHERE", flag(kind.atmosphere)),
         ("SUN_DISC", flag(kind.sun_disc)),
         ("SHADED", flag(kind.shaded)),
+        ("GROUND", flag(kind.ground != GroundShader::Even)),
     ];
     let blend = kind.adds.then_some(gpu::ADDS);
     let target = wgpu::ColorTargetState { blend, ..format.into() };
-    gpu::screen_pipeline(device, "sky", &overrides, target)
+    gpu::screen_pipeline(device, ("sky", &[kind.ground.role()]), &overrides, target)
 }

@@ -15,6 +15,8 @@
 //! that other passes can bind the same things.
 
 mod background;
+mod ground;
+mod land;
 mod tables;
 
 use glam::Vec3;
@@ -23,10 +25,11 @@ use wgpu::{TextureFormat, TextureView};
 
 use super::shadow::Shadows;
 use crate::{
-    frame::{AERIAL_REACH, CameraUniform, SkySettings, SkyUniform},
+    frame::{AERIAL_REACH, CameraUniform, GroundSettings, GroundShader, SkySettings, SkyUniform},
     gpu::{self, Made, Timing, view},
 };
 use background::{Background, BackgroundKind, background_pipeline};
+use ground::GroundPass;
 use tables::{SKY_LIGHT, Tables, table};
 
 /// Which tables [`Sky::prepare`] made again.
@@ -68,12 +71,14 @@ pub struct Sky {
     current: BackgroundKind,
     /// What the tables hold.
     made: Option<Wanted>,
+    /// What the ground is like.
+    ground: GroundPass,
     /// What was last bound to draw it, and the group of that.
     bound: Option<(Bound, wgpu::BindGroup)>,
 }
 
 /// What drawing the sky binds that may change: its pipeline and textures.
-type Bound = (wgpu::RenderPipeline, [TextureView; 4]);
+type Bound = (wgpu::RenderPipeline, [TextureView; 5]);
 
 /// All that tables depend on.
 #[derive(Clone, Copy, PartialEq)]
@@ -139,8 +144,15 @@ impl Sky {
             tables: None,
             backgrounds: Vec::new(),
             unshaded: Shadows::new(device),
-            current: BackgroundKind { atmosphere: false, sun_disc: false, shaded: false, adds: false },
+            current: BackgroundKind {
+                atmosphere: false,
+                sun_disc: false,
+                shaded: false,
+                ground: GroundShader::Even,
+                adds: false,
+            },
             made: None,
+            ground: GroundPass::default(),
             bound: None,
         }
     }
@@ -185,10 +197,30 @@ impl Sky {
             atmosphere: settings.atmosphere,
             sun_disc: sunlit && camera.projection != CameraUniform::ORTHOGRAPHIC,
             shaded: false,
+            ground: GroundShader::Even,
             adds: false,
         };
         self.made = Some(wanted);
         redo
+    }
+
+    /// Brings up to date what the picture of such ground is made of. After [`Sky::prepare`]; where it is not called the
+    /// ground is even.
+    pub fn prepare_ground(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        ground: &GroundSettings,
+        timing: Option<&Timing>,
+    ) {
+        let Some((made, tables)) =
+            self.made.filter(|made| made.settings.atmosphere).zip(self.tables.as_ref())
+        else {
+            return self.ground.none();
+        };
+        let sources = (tables, &self.sky_uniform, &self.sampler);
+        self.ground.prepare((device, queue), encoder, (ground, &made.settings), sources, timing);
     }
 
     /// The single texels that stand in for the tables of an atmosphere.
@@ -245,7 +277,7 @@ impl Sky {
     ) {
         let pipeline = self.background(device, format, self.current);
         let group = self.bind(device, &pipeline, None);
-        Self::draw_with(encoder, target, (&pipeline, &group, false), timing);
+        Self::draw_with(encoder, target, (&pipeline, &group, None, false), timing);
     }
 
     /// The same with these shadows, over what is there or on top of it.
@@ -259,9 +291,12 @@ impl Sky {
         timing: Option<&Timing>,
     ) {
         let shaded = shadows.cast && self.current.atmosphere;
-        let pipeline = self.background(device, format, BackgroundKind { shaded, adds, ..self.current });
+        let ground = self.ground.shader();
+        let pipeline =
+            self.background(device, format, BackgroundKind { shaded, ground, adds, ..self.current });
         let group = self.bind(device, &pipeline, Some(shadows));
-        Self::draw_with(encoder, target, (&pipeline, &group, adds), timing);
+        let ground = self.ground.bind(device, &pipeline);
+        Self::draw_with(encoder, target, (&pipeline, &group, ground.as_ref(), adds), timing);
     }
 
     /// What drawing the sky binds, made anew only where something in it is another one than before.
@@ -273,12 +308,14 @@ impl Sky {
     ) -> wgpu::BindGroup {
         let shadows = shadows.unwrap_or(&self.unshaded);
         let (numbers, lit) = shadows.map();
-        let textures = [self.transmittance(), self.sky_view(), lit, shadows.air()].map(TextureView::clone);
+        let textures = [self.transmittance(), self.sky_view(), lit, shadows.air(), self.ground_light()]
+            .map(TextureView::clone);
         let wanted = (pipeline.clone(), textures);
         if let Some((_, group)) = self.bound.as_ref().filter(|(bound, _)| *bound == wanted) {
             return group.clone();
         }
-        let [transmittance, sky_view, lit, air] = wanted.1.each_ref().map(wgpu::BindingResource::TextureView);
+        let [transmittance, sky_view, lit, air, ground_light] =
+            wanted.1.each_ref().map(wgpu::BindingResource::TextureView);
         let resources = [
             self.sky_uniform.as_entire_binding(),
             self.camera_uniform.as_entire_binding(),
@@ -288,6 +325,7 @@ impl Sky {
             numbers.as_entire_binding(),
             lit,
             air,
+            ground_light,
         ];
         let group = gpu::bind_group(device, "sky", &pipeline.get_bind_group_layout(0), &resources.map(Some));
         self.bound = Some((wanted, group.clone()));
@@ -297,7 +335,12 @@ impl Sky {
     fn draw_with(
         encoder: &mut wgpu::CommandEncoder,
         target: &TextureView,
-        (pipeline, group, adds): (&wgpu::RenderPipeline, &wgpu::BindGroup, bool),
+        (pipeline, group, ground, adds): (
+            &wgpu::RenderPipeline,
+            &wgpu::BindGroup,
+            Option<&wgpu::BindGroup>,
+            bool,
+        ),
         timing: Option<&Timing>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -316,6 +359,9 @@ impl Sky {
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, group, &[]);
+        if let Some(ground) = ground {
+            pass.set_bind_group(1, ground, &[]);
+        }
         pass.draw(0..3, 0..1);
     }
 
@@ -366,6 +412,11 @@ impl Sky {
     /// no atmosphere: ask again after [`Sky::prepare`].
     pub fn aerial(&self) -> &TextureView {
         self.active().map_or(&self.no_air, |tables| &tables.aerial)
+    }
+
+    /// Irradiance of the ground by the height of the sun. A white texel where there is no atmosphere.
+    fn ground_light(&self) -> &TextureView {
+        self.active().map_or(&self.white, |tables| &tables.ground)
     }
 
     /// What the camera sees of sky and ground. A white texel where there is no atmosphere.

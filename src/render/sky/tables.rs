@@ -56,6 +56,11 @@ pub(super) struct Tables {
 }
 
 impl Tables {
+    /// What tables of the sky are made of: transmittance, multiple scattering and ground light.
+    pub fn air(&self) -> [&TextureView; 3] {
+        [&self.transmittance, &self.multiple, &self.ground]
+    }
+
     pub fn new(
         device: &wgpu::Device,
         sky: &wgpu::Buffer,
@@ -63,6 +68,7 @@ impl Tables {
         sampler: &wgpu::Sampler,
         sky_light: &TextureView,
     ) -> Self {
+        let uniforms = [sky, camera];
         use wgpu::BindingResource::{Sampler, TextureView as View};
         let table = |label, size| view(&table(device, label, size));
         let transmittance = table("transmittance", TRANSMITTANCE);
@@ -80,12 +86,6 @@ impl Tables {
             Fill::new(device, "multiple_scattering", &[sky(), t(), linear(), m()], over(MULTIPLE));
         let fill_ground =
             Fill::new(device, "ground_light", &[sky(), t(), m(), linear(), g()], over(GROUND_LIGHT));
-        let fill_sky_view = Fill::new(
-            device,
-            "sky_view",
-            &[sky(), camera(), t(), m(), g(), linear(), View(&sky_view)],
-            over(SKY_VIEW),
-        );
         let fill_sky_light = Fill::new(
             device,
             "sky_light",
@@ -97,7 +97,13 @@ impl Tables {
             Fill::new(device, "aerial", &[sky(), camera(), t(), m(), linear(), View(&aerial)], over(AERIAL));
         Self {
             fill_atmosphere: [fill_transmittance, fill_multiple, fill_ground],
-            fill_sky_view,
+            fill_sky_view: fill_sky_view(
+                device,
+                uniforms,
+                [&transmittance, &multiple, &ground],
+                sampler,
+                &sky_view,
+            ),
             fill_sky_light,
             fill_aerial,
             transmittance,
@@ -107,6 +113,22 @@ impl Tables {
             aerial,
         }
     }
+}
+
+/// The program of a table of what is seen from the height of a camera: the sky's uniform and the camera's, and of the air
+/// transmittance, multiple scattering and ground light.
+pub(super) fn fill_sky_view(
+    device: &wgpu::Device,
+    [sky, camera]: [&wgpu::Buffer; 2],
+    air: [&TextureView; 3],
+    sampler: &wgpu::Sampler,
+    table: &TextureView,
+) -> Fill {
+    use wgpu::BindingResource::{Sampler, TextureView as View};
+    let [transmittance, multiple, ground] = air.map(View);
+    let (sky, camera) = (sky.as_entire_binding(), camera.as_entire_binding());
+    let resources = [sky, camera, transmittance, multiple, ground, Sampler(sampler), View(table)];
+    Fill::new(device, "sky_view", &resources, |program| program.groups_over([SKY_VIEW[0], SKY_VIEW[1], 1]))
 }
 
 pub(super) fn table(device: &wgpu::Device, label: &str, size: [u32; 3]) -> wgpu::Texture {

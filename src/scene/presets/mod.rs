@@ -19,7 +19,8 @@ use glam::DVec3;
 use super::dice::Dice;
 use super::explain::nearest;
 use super::{
-    Camera, Cloud, Edge, Ellipsoid, Growth, GrowthKind, Noise, Projection, Scene, Sun, SunPosition, Wind,
+    Camera, Cloud, Edge, Ellipsoid, Ground, GroundKind, Growth, GrowthKind, Land, Noise, Projection, Scene,
+    Sun, SunPosition, Water, Wind,
 };
 use crate::{Error, Result};
 pub use grow::Heaps;
@@ -134,6 +135,7 @@ impl Preset {
         scene.noise = Noise { seed: short, scale: self.noise_scale(), ..Noise::default() };
         scene.sun.position = SunPosition::Angles { azimuth_deg: 252.0, elevation_deg: 30.0 };
         scene.wind.velocity = DVec3::new(4.0, 0.0, 0.0);
+        scene.ground = self.ground();
         match self {
             Self::Glory => aim_at_glory(&mut scene),
             Self::ClosedCells => look_along_the_field(&mut scene),
@@ -153,6 +155,18 @@ impl Preset {
             look_from_afar(&mut scene);
         }
         scene
+    }
+
+    /// What it stands over: cells and sheets over the sea, where they are at home; what shows light alone over even ground.
+    fn ground(self) -> Ground {
+        let sea = [0.05, 0.06, 0.08];
+        match self {
+            Self::ClosedCells | Self::OpenCells | Self::Glory => {
+                Ground { albedo: sea, kind: GroundKind::Water(Water::default()), ..Ground::default() }
+            }
+            Self::Sphere | Self::Kol => Ground::default(),
+            _ => Ground { kind: GroundKind::Land(Land::default()), ..Ground::default() },
+        }
     }
 
     fn clouds(self, dice: &mut Dice, seed: u32) -> Vec<Cloud> {
