@@ -73,7 +73,7 @@ fn of_the_scene(ray: Ray, ndc: vec2f) -> vec3f {
     let to_ground = distance_to_ground(a, altitude, down);
     var view = air_ray(altitude, ray.direction, sky.to_sun);
     view.mu = down;
-    var lit = vec2f(1.0, 0.0);
+    var lit = vec3f(1.0, 0.0, 1.0);
     var more = vec3f(0.0);
     if SHADED {
         let uv = vec2f(0.5, -0.5) * ndc + 0.5;

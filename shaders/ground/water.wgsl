@@ -1,4 +1,5 @@
-// A sea under wind: it mirrors the sky, glitters before the sun, and gives back a little light from below.
+// A sea under wind: it mirrors the sky, glitters before the sun, and gives back a little light from below. Of clouds it
+// mirrors the mean light, not their shapes.
 // @use ground water
 
 @group(1) @binding(0) var<uniform> ground: Ground;
@@ -27,7 +28,7 @@ fn mirrored_sky(a: Atmosphere, at: GroundPoint) -> vec3f {
         let origin = water_mirrored(facet.normal, at.to_eye);
         let uv = sky_view_uv(a, size, 0.0, origin.y, half_azimuth_sine(origin, at.to_sun), false);
         let sky = textureSampleLevel(low_sky, clamped, uv, 0.0).rgb / TABLE_SCALE;
-        light += facet.seen * water_fresnel(dot(facet.normal, at.to_eye)) * sky;
+        light += facet.seen * water_fresnel(dot(facet.normal, at.to_eye)) * (at.open * sky + at.clouds);
         seen += facet.seen;
     }
     return light / max(seen, 1e-6);

@@ -26,6 +26,9 @@ struct GroundPoint {
     // Irradiance of the sun's own light across it, clouds before it included; and by all light, on level ground.
     sun: vec3f,
     irradiance: vec3f,
+    // Share of the sky that clouds do not hide, and the mean radiance of those that do, times their share.
+    open: f32,
+    clouds: vec3f,
     // Through the air to the eye.
     transmittance: vec3f,
 }
@@ -38,10 +41,10 @@ fn with_cosine(d: vec3f, mu: f32) -> vec3f {
 }
 
 // Where a ray in this direction meets the ground, `to_ground` metres away; `lit` are the shares of the sun's light that
-// clouds let through to it, its own and scattered.
+// clouds let through to it, its own and scattered, and that of the sky that they do not hide.
 fn ground_point(
     a: Atmosphere, transmittance: texture_2d<f32>, ground_table: texture_2d<f32>, linear_sampler: sampler,
-    ray: AirRay, direction: vec3f, to_sun: vec3f, to_ground: f32, lit: vec2f,
+    ray: AirRay, direction: vec3f, to_sun: vec3f, to_ground: f32, lit: vec3f,
 ) -> GroundPoint {
     let foot = air_ray_at(a, ray, to_ground);
     let sun = sun_irradiance_at(a, transmittance, linear_sampler, 0.0, foot.mu_sun);
@@ -55,6 +58,8 @@ fn ground_point(
         with_cosine(to_sun, foot.mu_sun),
         lit.x * sun,
         max(all - (1.0 - lit.x - lit.y) * level, vec3f(0.0)),
+        lit.z,
+        lit.y / PI * level,
         transmittance_to_ground(a, transmittance, linear_sampler, ray.altitude, ray.mu, foot),
     );
 }

@@ -182,8 +182,8 @@ fn sun_map_scattered(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p
 }
 
 // Light on level ground behind all clouds, as shares of what it has without them: the sun's own, with the penumbra of
-// its disc, and what clouds scatter down.
-fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> vec2f {
+// its disc, and what clouds scatter down. The third is the share of sky that no clouds hide, as the sun finds it around.
+fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: vec3f) -> vec3f {
     var place = map.place;
     let here = sun_map_place(map, p);
     let known = here.square;
@@ -193,12 +193,13 @@ fn sun_map_ground(map: SunMap, lit: texture_2d_array<f32>, linear: sampler, p: v
     // Light spreads far: the coarsest square does for it.
     let whole = select(sun_map_coordinate(map, place[0], p), at, known == 0u);
     let spread = SPREAD * way * place[0].z;
-    var light = vec2f(0.0);
+    var light = vec3f(0.0);
     for (var tap = 0u; tap < TAPS; tap++) {
         let near = at.xy + radius * disc_tap(tap);
         let wide = textureSampleLevel(lit, linear, whole.xy + spread * disc_tap(tap), SUN_MAP_LAYERS - 1u, 0.0);
         light.x += textureSampleLevel(lit, linear, near, SUN_MAP_LAYERS * (known + 1u) - 1u, 0.0).z;
         light.y += max(wide.w - wide.z, 0.0);
+        light.z += wide.z;
     }
-    return select(vec2f(1.0, 0.0), light / f32(TAPS), here.known);
+    return select(vec3f(1.0, 0.0, 1.0), light / f32(TAPS), here.known);
 }

@@ -37,7 +37,7 @@ pub enum GroundKind {
     /// Fields and woods, whose mean is the albedo.
     Land(Land),
     /// Water under wind, which mirrors the sky and glitters before the sun. What it reflects beyond 0.05 comes out of
-    /// the water, with the albedo's colour. Clouds are not mirrored.
+    /// the water, with the albedo's colour. Of clouds it mirrors the light alone.
     Water(Water),
 }
 

@@ -21,7 +21,7 @@ const SIZE: [u32; 2] = [64, 36];
 /// The sun's light at points below a scene's clouds, by the map that the last picture left.
 fn light_at(renderer: &Renderer, camera: DVec3, points: &[DVec3], soft: bool) -> Vec<f32> {
     let light = if soft {
-        "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0, 0.0)"
+        "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0)"
     } else {
         "vec4f(sun_map_light(map, lit, linear, x[0].xyz))"
     };
@@ -107,7 +107,7 @@ fn below_layer(layer: &str) -> (Scene, DVec3, Vec<[f32; 4]>) {
     draw(&mut renderer, &scene, SIZE, true);
     let center = DVec3::new(500.0, 0.0, -300.0);
     let points = ground(center, 6e3, 4 * POINTS_BELOW);
-    let light = "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0, 0.0)";
+    let light = "vec4f(sun_map_ground(map, lit, linear, x[0].xyz), 0.0)";
     let light = read_at(&renderer, scene.camera().position, &points, light);
     (scene, center, light)
 }
