@@ -9,7 +9,7 @@ use std::fmt;
 use glam::{DVec3, dvec3};
 
 use crate::scene::{
-    Atmosphere, Camera, Cloud, Edge, Ellipsoid, Noise, Preset, Projection, Scene, Sky, Smooth, Sun,
+    Atmosphere, Camera, Cloud, Edge, Ellipsoid, Ground, Noise, Preset, Projection, Scene, Sky, Smooth, Sun,
     SunPosition,
 };
 
@@ -46,10 +46,11 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The scene, the same in every run, in air that is almost pure.
+    /// The scene, the same in every run, in air that is almost pure and over even ground.
     pub fn scene(&self) -> Scene {
         let sky = Sky::Atmosphere(Atmosphere { haze: 1.0, ..Atmosphere::default() });
-        Scene { name: self.name.to_owned(), sky, ..(self.make)() }
+        let ground = Ground::default();
+        Scene { name: self.name.to_owned(), sky, ground, ..(self.make)() }
     }
 }
 
