@@ -121,7 +121,7 @@ fn structs_of_rust_and_shaders_agree() {
             "Volume",
             layout!(VolumeUniform: row_x, row_y, row_z, texel, extinction, slots, voxel, count, widest, mixed, levels),
         ),
-        ("sky", "Ground", layout!(GroundUniform: offset, edge, variation, slope_variance)),
+        ("sky", "Ground", layout!(GroundUniform: offset, edge, variation, slope_variance, height)),
         ("march", "Light", layout!(LightUniform: sun, sky, field_low, mean_free_path, field_scale, flash)),
         (
             "march",

@@ -75,6 +75,7 @@ pub mod optics;
 pub mod reference;
 pub mod render;
 pub mod scene;
+mod srgb;
 pub mod tables;
 #[cfg(any(feature = "export", feature = "import"))]
 mod vdb;

@@ -3,15 +3,16 @@
 
 // What a kind of ground is like.
 struct Ground {
-    // The camera's place in the pattern, east and south, m.
+    // The camera's place in the pattern or picture, from its north-western corner to the east and south, m.
     offset: vec2f,
-    // Edge of a square of the pattern, m.
+    // Edge of a square of the pattern, or width of the picture, m.
     edge: f32,
     // How much of the pattern shows, from 0 to 1.
     variation: f32,
     // Of the slopes of water.
     slope_variance: f32,
-    padding: f32,
+    // From the northern to the southern edge of a picture, m.
+    height: f32,
 }
 
 struct GroundPoint {

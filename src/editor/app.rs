@@ -208,6 +208,8 @@ impl Editor {
                 self.add_volume(&path);
             } else if let Some(layer) = self.layer_at_hand().filter(|_| CoverMap::is_named(&path)) {
                 self.paint(layer, &path);
+            } else if CoverMap::is_named(&path) {
+                self.lay_on_the_ground(&path);
             } else {
                 self.ask(ctx, Then::Open(path));
             }

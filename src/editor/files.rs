@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     numbered::{siblings, stem},
-    scene::{Cloud, CoverMap, Scene, Sequence, Volume},
+    scene::{Cloud, CoverMap, GroundKind, GroundPicture, Scene, Sequence, Volume},
 };
 
 impl Editor {
@@ -155,6 +155,19 @@ impl Editor {
         }
         self.document.edit("Paint a layer", |scene| scene.clouds[index].layer = painted);
         self.notices.news(format!("{} tells what the layer covers.", path.display()));
+    }
+
+    /// Lays the picture in a file on the ground, as wide as the one before it.
+    pub(super) fn lay_on_the_ground(&mut self, path: &Path) {
+        let folder = self.session.path().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+        let before = self.document.scene().ground.kind.picture().cloned().unwrap_or_default();
+        let mut picture = GroundPicture { file: Volume::path_from(&folder, path), ..before };
+        if let Err(error) = picture.read(&folder) {
+            return self.notices.problem(error);
+        }
+        self.document
+            .edit("Lay a picture on the ground", |scene| scene.ground.kind = GroundKind::Picture(picture));
+        self.notices.news(format!("{} is the ground.", path.display()));
     }
 
     /// Saves to the file, or to one that is asked for; then goes on with `then`.

@@ -36,6 +36,7 @@ impl Keying {
             "SunPosition" => format!("{}.position", sun()),
             "Atmosphere" => "sky.atmosphere".to_owned(),
             "Land" | "Water" => format!("ground.kind.{}", kind.to_lowercase()),
+            "GroundPicture" => "ground.kind.picture".to_owned(),
             "Projection" => "camera.projection".to_owned(),
             "Sun" => sun(),
             "Sky" | "Ground" | "Wind" | "Noise" | "Camera" => kind.to_lowercase(),

@@ -1,8 +1,13 @@
 //! What the ground looks like, from the scene: its kind and the uniform of its shader.
 
-use glam::{DVec3, Vec2};
+use std::sync::Arc;
 
-use crate::{gpu::Role, scene::GroundKind};
+use glam::{DVec2, DVec3, Vec2};
+
+use crate::{
+    gpu::Role,
+    scene::{GroundColors, GroundKind},
+};
 
 /// Widths of a field along an edge of the pattern of land.
 const FIELDS: f64 = 32.0;
@@ -18,7 +23,7 @@ pub struct GroundUniform {
     pub edge: f32,
     pub variation: f32,
     pub slope_variance: f32,
-    padding: f32,
+    pub height: f32,
 }
 
 /// Which module draws the ground.
@@ -31,20 +36,24 @@ pub enum GroundShader {
     Land,
     /// Water under wind.
     Water,
+    /// A picture from above.
+    Picture,
 }
 
 /// What the ground looks like.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct GroundSettings {
     /// Its kind.
     pub shader: GroundShader,
     /// What its shader reads.
     pub uniform: GroundUniform,
+    /// Of a picture.
+    pub colors: Option<Arc<GroundColors>>,
 }
 
 impl GroundShader {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Even, Self::Land, Self::Water];
+    pub const ALL: [Self; 4] = [Self::Even, Self::Land, Self::Water, Self::Picture];
 
     /// What fills the role `ground_kind` of shaders.
     pub fn role(self) -> Role<'static> {
@@ -52,6 +61,7 @@ impl GroundShader {
             Self::Even => include_str!("../../shaders/ground/even.wgsl"),
             Self::Land => include_str!("../../shaders/ground/land.wgsl"),
             Self::Water => include_str!("../../shaders/ground/water.wgsl"),
+            Self::Picture => include_str!("../../shaders/ground/picture.wgsl"),
         };
         ("ground_kind", source)
     }
@@ -67,8 +77,9 @@ impl GroundSettings {
                 edge: 1.0,
                 variation: 0.0,
                 slope_variance: 1.0,
-                padding: 0.0,
+                height: 1.0,
             },
+            colors: None,
         };
         let uniform = &mut settings.uniform;
         match kind {
@@ -80,6 +91,19 @@ impl GroundSettings {
                 settings.shader = GroundShader::Land;
                 uniform.offset = Vec2::new(place(camera.x), place(camera.z));
                 (uniform.edge, uniform.variation) = (edge as f32, land.variation as f32);
+            }
+            GroundKind::Picture(picture) => {
+                let Some(colors) = picture.colors() else { return settings };
+                let [columns, rows] = colors.size();
+                let height = picture.width * rows as f64 / columns as f64;
+                settings.shader = GroundShader::Picture;
+                uniform.offset = DVec2::new(
+                    camera.x - picture.x + 0.5 * picture.width,
+                    camera.z - picture.z + 0.5 * height,
+                )
+                .as_vec2();
+                (uniform.edge, uniform.height) = (picture.width as f32, height as f32);
+                settings.colors = Some(colors.clone());
             }
             GroundKind::Water(water) => {
                 settings.shader = GroundShader::Water;

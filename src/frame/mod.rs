@@ -73,7 +73,7 @@ impl Frame {
     /// `scene` at its own time, for a picture of `size` pixels.
     ///
     /// # Errors
-    /// Where a value of the scene is out of its range, a step of a volume can't be read, a mesh was not, or `size` has a zero.
+    /// Where a value of the scene is out of its range, a step of a volume can't be read, a mesh or picture was not, or `size` has a zero.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Result<Self> {
         let mut moved = scene.at(scene.time)?;
         let camera = moved.camera();
@@ -82,6 +82,9 @@ impl Frame {
             cloud.layer = cloud.layer.take().filter(|_| !cloud.hidden);
             cloud.mesh = cloud.mesh.take().filter(|_| !cloud.hidden);
             cloud.volume = cloud.volume.take().filter(|_| !cloud.hidden);
+        }
+        if let Some(picture) = moved.ground.kind.picture().filter(|picture| picture.colors().is_none()) {
+            return Err(picture.unread());
         }
         let sun = Sun::new(&moved.sun);
         let frame = Self {

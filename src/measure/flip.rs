@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use crate::srgb;
+
 /// Pixels per degree of the viewer's eye: a 4K screen, 0.7 m wide, from 0.7 m.
 const PIXELS_PER_DEGREE: f64 = 0.7 * 3840.0 / 0.7 * PI / 180.0;
 
@@ -150,8 +152,7 @@ fn times(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
 }
 
 fn linear(byte: u8) -> f64 {
-    let c = f64::from(byte) / 255.0;
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    srgb::decoded(f64::from(byte) / 255.0)
 }
 
 fn white() -> [f64; 3] {

@@ -1,16 +1,15 @@
 //! A painted map of what a layer covers.
 
-use std::{
-    fmt,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{fmt, path::Path, sync::Arc};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate::{At, Limits};
-use super::{Layer, Volume};
+use super::{
+    Layer,
+    pixels::{self, FromFile},
+};
 use crate::{Error, Result};
 
 const SIZE: Limits = Limits::new(100.0, 1e6, "metres");
@@ -29,25 +28,12 @@ pub struct CoverMap {
     pub size: f64,
     /// What was read of the file.
     #[serde(skip)]
-    pub(crate) opened: Opened,
+    pub(crate) opened: FromFile<Cover>,
 }
 
 impl Default for CoverMap {
     fn default() -> Self {
-        Self { file: String::new(), size: 20_000.0, opened: Opened::default() }
-    }
-}
-
-/// What was read of a file, and the folder that its path starts from. It is no part of what a scene says.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Opened {
-    cover: Option<Arc<Cover>>,
-    folder: PathBuf,
-}
-
-impl PartialEq for Opened {
-    fn eq(&self, other: &Self) -> bool {
-        self.cover == other.cover
+        Self { file: String::new(), size: 20_000.0, opened: FromFile::default() }
     }
 }
 
@@ -139,19 +125,18 @@ impl CoverMap {
     /// A map of this picture, which stands in for that of its file.
     #[must_use]
     pub fn with_cover(mut self, cover: Cover) -> Self {
-        self.opened.cover = Some(Arc::new(cover));
+        self.opened.found = Some(Arc::new(cover));
         self
     }
 
     /// Whether a file has the name of a picture: .png or .exr.
     pub fn is_named(path: &Path) -> bool {
-        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-        ["png", "exr"].iter().any(|known| ending.eq_ignore_ascii_case(known))
+        pixels::is_named(path)
     }
 
     /// What was read of its file: [`Scene::load`](super::Scene::load) reads that.
     pub fn cover(&self) -> Option<&Arc<Cover>> {
-        self.opened.cover.as_ref()
+        self.opened.found.as_ref()
     }
 
     /// Takes over what another one has read, where that is the same file.
@@ -173,21 +158,17 @@ impl CoverMap {
     /// [`Error::File`] and [`Error::Format`] where it can't be read or is no picture.
     pub fn read(&mut self, folder: &Path) -> Result<()> {
         let cover = cover_of(&folder.join(&self.file))?;
-        self.opened = Opened { cover: Some(Arc::new(cover)), folder: folder.to_owned() };
+        self.opened = FromFile { found: Some(Arc::new(cover)), folder: folder.to_owned() };
         Ok(())
     }
 
     /// The same map in a scene whose file is in `folder`.
     pub(super) fn written_from(&self, folder: &Path) -> Self {
-        let mut written = self.clone();
-        if self.opened.cover.is_some() && self.opened.folder != folder {
-            written.file = Volume::path_from(folder, &self.opened.folder.join(&self.file));
-        }
-        written
+        Self { file: self.opened.written_from(folder, &self.file), ..self.clone() }
     }
 
     pub(super) fn check(&self, at: At, scale: f64) -> Result<()> {
-        if self.file.is_empty() && self.opened.cover.is_none() {
+        if self.file.is_empty() && self.opened.found.is_none() {
             return Err(at.field("file").problem("it is empty: name the picture of what is covered"));
         }
         at.field("size").number(self.size, SIZE)?;
@@ -210,97 +191,12 @@ impl CoverMap {
     }
 }
 
-#[cfg(feature = "export")]
+/// Grey as it is written.
 fn cover_of(path: &Path) -> Result<Cover> {
-    let refused = |problem: String| Error::Format { path: path.to_owned(), problem };
-    let is_exr = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr"));
-    let (width, values) = if is_exr { exr_values(path)? } else { png_values(path)? };
-    Cover::new(width, values).map_err(|error| refused(error.to_string()))
-}
-
-#[cfg(not(feature = "export"))]
-fn cover_of(path: &Path) -> Result<Cover> {
-    Err(Error::Argument(format!(
-        "`{}` is a picture, and this build reads none: build with the feature `export`, or give the map its cover",
-        path.display()
-    )))
-}
-
-/// Refuses what is no picture that is small enough before its pixels are read.
-#[cfg(feature = "export")]
-fn fits(path: &Path, width: usize, height: usize) -> Result<()> {
-    let most = Cover::MOST;
-    if width.max(height) <= most {
-        return Ok(());
-    }
-    let problem =
-        format!("is {width} x {height} pixels, too large for a map: scale it to {most} x {most} at most");
-    Err(Error::Format { path: path.to_owned(), problem })
-}
-
-#[cfg(feature = "export")]
-fn png_values(path: &Path) -> Result<(usize, Vec<f32>)> {
-    let failed = |source| Error::File { action: "read", path: path.to_owned(), source };
-    let refused = |error: &dyn fmt::Display| Error::Format {
-        path: path.to_owned(),
-        problem: format!("is no PNG picture ({error}): save the map as PNG or EXR"),
-    };
-    let file = std::io::BufReader::new(std::fs::File::open(path).map_err(failed)?);
-    let mut decoder = png::Decoder::new(file);
-    decoder.set_transformations(png::Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(|error| refused(&error))?;
-    let [width, height] = [reader.info().width, reader.info().height].map(|edge| edge as usize);
-    fits(path, width, height)?;
-    let size = reader.output_buffer_size().ok_or_else(|| refused(&"its size is not told"))?;
-    let mut bytes = vec![0; size];
-    let told = reader.next_frame(&mut bytes).map_err(|error| refused(&error))?;
-    let (colour, depth) = (told.color_type, told.bit_depth);
-    let numbers: Vec<f32> = match depth {
-        png::BitDepth::Sixteen => bytes
-            .chunks_exact(2)
-            .map(|two| f32::from(u16::from_be_bytes([two[0], two[1]])) / 65535.0)
-            .collect(),
-        _ => bytes.iter().map(|&byte| f32::from(byte) / 255.0).collect(),
-    };
-    let colours = if matches!(colour, png::ColorType::Rgb | png::ColorType::Rgba) { 3 } else { 1 };
-    let grey = |pixel: &[f32]| pixel[..colours].iter().sum::<f32>() / colours as f32;
-    Ok((width, numbers.chunks_exact(colour.samples()).take(width * height).map(grey).collect()))
-}
-
-#[cfg(feature = "export")]
-fn exr_values(path: &Path) -> Result<(usize, Vec<f32>)> {
-    use exr::prelude::{ReadChannels, ReadLayers};
-    let refused = |error: exr::error::Error| match error {
-        exr::error::Error::Io(source) => Error::File { action: "read", path: path.to_owned(), source },
-        error => Error::Format { path: path.to_owned(), problem: format!("is no EXR picture: {error}") },
-    };
-    let headers = exr::meta::MetaData::read_from_file(path, false).map_err(refused)?.headers;
-    if let Some(header) = headers.first() {
-        fits(path, header.layer_size.0, header.layer_size.1)?;
-    }
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .map_err(refused)?;
-    let layer = image.layer_data;
-    let is_colour = |name: &str| ["R", "G", "B", "Y"].contains(&name);
-    let channels: Vec<Vec<f32>> = layer
-        .channel_data
-        .list
-        .iter()
-        .filter(|channel| is_colour(&channel.name.to_string()))
-        .map(|channel| channel.sample_data.values_as_f32().collect())
-        .collect();
-    if channels.is_empty() {
-        let problem = "has no channel R, G, B or Y: save the map as grey or colours".to_owned();
-        return Err(Error::Format { path: path.to_owned(), problem });
-    }
-    let mean = |i: usize| channels.iter().map(|channel| channel[i]).sum::<f32>() / channels.len() as f32;
-    Ok((layer.size.0, (0..layer.size.0 * layer.size.1).map(mean).collect()))
+    let pixels = pixels::read(path, Cover::MOST)?;
+    let grey = pixels.values.iter().map(|rgb| rgb.iter().sum::<f32>() / 3.0).collect();
+    Cover::new(pixels.width, grey)
+        .map_err(|error| Error::Format { path: path.to_owned(), problem: error.to_string() })
 }
 
 #[cfg(test)]

@@ -56,12 +56,18 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Reads the files of its meshes and volumes and of the maps of its layers, whose paths start from `folder`.
+    /// Reads the files of its meshes and volumes, of the maps of its layers and of the picture of its ground, whose paths start from `folder`.
     ///
     /// # Errors
     /// [`Error::Scene`] with the JSON path of the first that can't be read, and why.
     pub fn read_volumes(&mut self, folder: &Path) -> Result<()> {
         let root = validate::At::Root;
+        if let Some(picture) = self.ground.kind.picture_mut() {
+            let ground = root.field("ground");
+            let kind = ground.field("kind");
+            let at = kind.field("picture");
+            picture.read(folder).map_err(|error| at.problem(error.to_string()))?;
+        }
         let list = root.field("clouds");
         let mut meshes: Vec<Mesh> = Vec::new();
         for (i, cloud) in self.clouds.iter_mut().enumerate() {
@@ -102,8 +108,8 @@ impl Scene {
     /// Validates the scene and writes it as JSON.
     ///
     /// Other programs see the old file or the new one, never a half: the text goes to
-    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of meshes, volumes and
-    /// maps that were read are told from the folder of the file.
+    /// a file beside it, which then takes its name. After an error the old file is as it was. Paths of meshes, volumes,
+    /// maps and pictures that were read are told from the folder of the file.
     ///
     /// # Errors
     /// As [`Scene::validate`]; [`Error::File`] where the file cannot be written.
@@ -111,7 +117,7 @@ impl Scene {
         self.validate()?;
         let path = path.as_ref();
         let names = |cloud: &Cloud| cloud.is_of_file() || cloud.map().is_some();
-        let text = match self.clouds.iter().any(names) {
+        let text = match self.clouds.iter().any(names) || self.ground.kind.picture().is_some() {
             true => self.written_from(folder_of(path)).to_json(),
             false => self.to_json(),
         };
@@ -125,6 +131,9 @@ impl Scene {
         written.meshes_mut().for_each(|mesh| *mesh = mesh.written_from(folder));
         let maps = written.clouds.iter_mut().filter_map(|cloud| cloud.layer.as_mut()?.map.as_mut());
         maps.for_each(|map| *map = map.written_from(folder));
+        if let Some(picture) = written.ground.kind.picture_mut() {
+            *picture = picture.written_from(folder);
+        }
         written
     }
 

@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::validate::{At, COORDINATE, Limits};
+use super::{
+    GroundPicture,
+    validate::{At, COORDINATE, Limits},
+};
 use crate::Result;
 
 const ALBEDO: Limits = Limits::new(0.0, 1.0, "");
@@ -39,6 +42,8 @@ pub enum GroundKind {
     /// Water under wind, which mirrors the sky and glitters before the sun. What it reflects beyond 0.05 comes out of
     /// the water, with the albedo's colour. Of clouds it mirrors the light alone.
     Water(Water),
+    /// A picture from above, and even ground around it.
+    Picture(GroundPicture),
 }
 
 /// Fields and woods.
@@ -91,6 +96,21 @@ impl Ground {
 }
 
 impl GroundKind {
+    /// The picture that it is of.
+    pub fn picture(&self) -> Option<&GroundPicture> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn picture_mut(&mut self) -> Option<&mut GroundPicture> {
+        match self {
+            Self::Picture(picture) => Some(picture),
+            _ => None,
+        }
+    }
+
     fn check(&self, at: At) -> Result<()> {
         match self {
             Self::Even => Ok(()),
@@ -99,6 +119,7 @@ impl GroundKind {
                 at.field("variation").number(land.variation, VARIATION)?;
                 at.field("field_width").number(land.field_width, FIELDS)
             }
+            Self::Picture(picture) => picture.check(at.field("picture")),
             Self::Water(water) => at.field("water").field("wind").number(water.wind, WIND),
         }
     }

@@ -238,6 +238,29 @@ fn a_picture_that_is_dropped_paints_the_selected_layer() {
 }
 
 #[test]
+fn a_picture_that_is_dropped_is_laid_on_the_ground() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scene_file(folder.path(), Preset::Humilis);
+    let picture = folder.path().join("land.png");
+    image::RgbImage::from_fn(8, 4, |x, _| image::Rgb([32 * x as u8, 90, 20])).save(&picture).unwrap();
+    let mut window = open(folder.path(), Some(&path));
+    let laid = |window: &Window<'_>| window.state().scene().ground.kind.picture().cloned();
+    window.run_steps(2);
+    drop_file(&mut window, &picture);
+    let ground = laid(&window).unwrap_or_else(|| panic!("{}", told(&mut window)));
+    assert_eq!((ground.file.as_str(), ground.colors().unwrap().size()), ("land.png", [8, 4]));
+    window.run_steps(4);
+    shoot(&mut window, "ground");
+    press(&mut window, Modifiers::COMMAND, Key::S);
+    assert!(Scene::load(&path).unwrap().ground.kind.picture().unwrap().colors().is_some());
+    // What is no picture is told, and the ground stays.
+    fs::write(&picture, b"nothing").unwrap();
+    drop_file(&mut window, &picture);
+    assert!(told(&mut window).contains("no PNG picture"), "{}", told(&mut window));
+    assert!(laid(&window).unwrap().colors().is_some());
+}
+
+#[test]
 fn a_read_only_file_is_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = scene_file(folder.path(), Preset::Kol);

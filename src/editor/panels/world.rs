@@ -8,8 +8,8 @@ use super::{LightsPanel, SunPanel, apply, hint, object::noise_rows, section};
 use crate::{
     editor::{Document, form::Form, words::choice},
     scene::{
-        Aperture, Atmosphere, Camera, Cloud, Ground, GroundKind, Land, Noise, Projection, Scene, Sky,
-        ToneCurve, Water,
+        Aperture, Atmosphere, Camera, Cloud, Ground, GroundKind, GroundPicture, Land, Noise, Projection,
+        Scene, Sky, ToneCurve, Water,
     },
 };
 
@@ -221,14 +221,23 @@ fn ground(ui: &mut Ui, document: &mut Document) {
     let mut form = Form::new(ui).keyed(document, "");
     form.color("Ground.albedo", "Albedo", &mut ground.albedo, default.albedo);
     form.number("Ground.altitude", "Altitude", &mut ground.altitude, default.altitude);
-    let kinds = [
+    let mut kinds = vec![
         ("Even", choice("GroundKind.even"), GroundKind::Even),
         ("Land", choice("GroundKind.land"), GroundKind::Land(Land::default())),
         ("Water", choice("GroundKind.water"), GroundKind::Water(Water::default())),
     ];
+    if ground.kind.picture().is_some() {
+        kinds.push(("Picture", choice("GroundKind.picture"), ground.kind.clone()));
+    }
     form.choice("Ground.kind", "Kind", &mut ground.kind, &kinds);
     match &mut ground.kind {
         GroundKind::Even => {}
+        GroundKind::Picture(picture) => {
+            let default = GroundPicture::default();
+            form.number("GroundPicture.width", "Width", &mut picture.width, default.width);
+            form.number("GroundPicture.x", "East", &mut picture.x, default.x);
+            form.number("GroundPicture.z", "South", &mut picture.z, default.z);
+        }
         GroundKind::Land(land) => {
             let default = Land::default();
             form.slider("Land.variation", "Variation", &mut land.variation, default.variation, 0.0..=1.0);
@@ -239,6 +248,7 @@ fn ground(ui: &mut Ui, document: &mut Document) {
         }
     }
     let change = form.changed();
+    hint(ui, &ground_told(&ground.kind));
     apply(document, change, |scene| scene.ground = ground);
 }
 
@@ -248,6 +258,19 @@ fn moves(scene: &Scene) -> bool {
     let renews = |noise: &Noise| noise.rate > 0.0;
     let lives = |cloud: &Cloud| cloud.life.is_some() || cloud.noise.as_ref().is_some_and(renews);
     blows || scene.timeline.is_some() || renews(&scene.noise) || scene.clouds.iter().any(lives)
+}
+
+/// Where a picture of the ground comes from.
+fn ground_told(kind: &GroundKind) -> String {
+    let Some(picture) = kind.picture() else {
+        return "Drop a PNG or EXR picture into the window to lay it on the ground, seen from above."
+            .to_owned();
+    };
+    let size = picture.colors().map_or_else(String::new, |colors| {
+        let [width, height] = colors.size();
+        format!(", kept as {width} x {height} pixels")
+    });
+    format!("It is {}{size}. Drop another picture into the window to take that.", picture.file)
 }
 
 fn wind(ui: &mut Ui, document: &mut Document) {

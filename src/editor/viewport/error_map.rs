@@ -1,6 +1,6 @@
 //! How far the preview is from the truth: one number for all pixels, one colour for each.
 
-use crate::{export::Picture, reference::Estimate};
+use crate::{export::Picture, reference::Estimate, srgb};
 
 /// The relative difference that gets the strongest colour.
 pub const RANGE: f32 = 0.5;
@@ -100,10 +100,7 @@ fn from_oklab([l, a, b]: [f32; 3]) -> [f32; 3] {
         -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
         -0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s,
     ];
-    linear.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-    })
+    linear.map(|c: f32| srgb::encoded(f64::from(c.clamp(0.0, 1.0))) as f32)
 }
 
 #[cfg(test)]

@@ -1,16 +1,22 @@
 //! What the picture of the ground is made of beyond the table of the sky, made when a scene first has such ground.
 
+use std::sync::Arc;
+
 use wgpu::{TextureUsages, TextureView};
 
 use super::{
-    land,
+    land, smooth,
     tables::{Fill, SKY_VIEW, Tables, fill_sky_view, table},
 };
 use crate::{
     frame::{AtmosphereUniform, CameraUniform, GroundSettings, GroundShader, SkySettings},
     gpu::{self, Made, TextureDesc, Timing, view},
-    scene::Camera,
+    scene::{Camera, GroundColors},
+    srgb,
 };
+
+/// Of what is kept in layers.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Ground that is more than even.
 #[derive(Default)]
@@ -18,6 +24,7 @@ pub(super) struct GroundPass {
     current: Option<(GroundSettings, wgpu::Buffer)>,
     land: Option<Sampled>,
     water: Option<LowSky>,
+    picture: Option<(Arc<GroundColors>, Sampled)>,
     /// What was last bound to draw it, and with which pipeline.
     bound: Option<(wgpu::RenderPipeline, wgpu::BindGroup)>,
 }
@@ -52,6 +59,13 @@ impl GroundPass {
             GroundShader::Land => {
                 self.land.get_or_insert_with(|| pattern(device, queue));
             }
+            GroundShader::Picture => {
+                let known = self.picture.as_ref().map(|(colors, _)| colors);
+                if let Some(colors) = ground.colors.as_ref().filter(|colors| known != Some(*colors)) {
+                    self.picture = Some((colors.clone(), picture(device, queue, colors)));
+                    self.bound = None;
+                }
+            }
             GroundShader::Water => {
                 let low = self.water.get_or_insert_with(|| LowSky::new(device, tables, uniform, linear));
                 let wanted = Some((sky.uniform.atmosphere, sky.uniform.to_sun.y));
@@ -69,9 +83,11 @@ impl GroundPass {
             Some((known, buffer)) => {
                 Made::one(|made| &mut made.writes);
                 queue.write_buffer(buffer, 0, bytemuck::bytes_of(&ground.uniform));
-                *known = *ground;
+                *known = ground.clone();
             }
-            None => self.current = Some((*ground, gpu::uniform_buffer(device, "ground", &ground.uniform))),
+            None => {
+                self.current = Some((ground.clone(), gpu::uniform_buffer(device, "ground", &ground.uniform)));
+            }
         }
     }
 
@@ -106,6 +122,7 @@ impl GroundPass {
             GroundShader::Even => None,
             GroundShader::Land => self.land.as_ref(),
             GroundShader::Water => self.water.as_ref().map(|low| &low.table),
+            GroundShader::Picture => self.picture.as_ref().map(|(_, sampled)| sampled),
         }?;
         Some([
             buffer.as_entire_binding(),
@@ -129,20 +146,39 @@ impl LowSky {
 
 /// The pattern of land: a quarter of what it reflects over its mean.
 fn pattern(device: &wgpu::Device, queue: &wgpu::Queue) -> Sampled {
-    let edge = land::EDGE as u32;
-    let desc = TextureDesc {
-        label: "land",
-        size: [edge, edge, land::LAYERS as u32],
-        mips: 1,
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: TextureUsages::empty(),
-    };
-    let texture = gpu::texture(device, &desc);
     let byte = |x: f32| (255.0 * (0.25 * x).clamp(0.0, 1.0)).round() as u8;
-    let bytes: Vec<[u8; 4]> =
-        land::TEXELS.iter().map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
-    let layout =
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * edge), rows_per_image: Some(edge) };
+    let sampler = gpu::linear_repeat_layers(device);
+    let size = [land::EDGE, land::EDGE];
+    Sampled { texture: layered(device, queue, size, FORMAT, &land::TEXELS, byte), sampler }
+}
+
+/// A picture from above.
+fn picture(device: &wgpu::Device, queue: &wgpu::Queue, colors: &GroundColors) -> Sampled {
+    let layers = smooth::layers(colors.linear(), colors.size(), |x, edge| x.clamp(0, edge - 1));
+    let format = FORMAT.add_srgb_suffix();
+    let texture = layered(device, queue, colors.size(), format, &layers, srgb::byte);
+    Sampled { texture, sampler: gpu::linear_clamp(device) }
+}
+
+/// Uploads all layers as one volume.
+fn layered(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    size: [usize; 2],
+    format: wgpu::TextureFormat,
+    texels: &[[f32; 3]],
+    byte: impl Fn(f32) -> u8,
+) -> TextureView {
+    let [width, height] = size.map(|edge| edge as u32);
+    let size = [width, height, smooth::LAYERS as u32];
+    let desc = TextureDesc { label: "ground", size, mips: 1, format, usage: TextureUsages::empty() };
+    let texture = gpu::texture(device, &desc);
+    let bytes: Vec<[u8; 4]> = texels.iter().map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect();
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * width),
+        rows_per_image: Some(height),
+    };
     queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(&bytes), layout, texture.size());
-    Sampled { texture: view(&texture), sampler: gpu::linear_repeat_layers(device) }
+    view(&texture)
 }

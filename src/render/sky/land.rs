@@ -3,6 +3,7 @@
 
 use std::sync::LazyLock;
 
+use super::smooth;
 use crate::scene::Dice;
 
 /// Texels along an edge.
@@ -21,17 +22,9 @@ const LEAVES: [f32; 3] = [0.03, 0.045, 0.02];
 const CROPS: [[f32; 3]; 4] =
     [[0.08, 0.11, 0.045], [0.06, 0.10, 0.035], [0.21, 0.17, 0.09], [0.12, 0.09, 0.06]];
 
-/// Layers: each is half as fine as the one before.
-pub(super) const LAYERS: usize = 6;
-
 /// Rows of texels of all layers.
-pub(super) static TEXELS: LazyLock<Vec<[f32; 3]>> = LazyLock::new(|| {
-    let mut layers = vec![pattern()];
-    for layer in 1..LAYERS {
-        layers.push(smoothed(&layers[layer - 1], 1 << (layer - 1)));
-    }
-    layers.concat()
-});
+pub(super) static TEXELS: LazyLock<Vec<[f32; 3]>> =
+    LazyLock::new(|| smooth::layers(pattern(), [EDGE, EDGE], |x, edge| x.rem_euclid(edge)));
 
 fn pattern() -> Vec<[f32; 3]> {
     let mut dice = Dice::new(7);
@@ -57,19 +50,6 @@ fn pattern() -> Vec<[f32; 3]> {
     });
     texels.iter_mut().for_each(|texel| *texel = std::array::from_fn(|c| texel[c] / mean[c]));
     texels
-}
-
-/// Means of texels and those `step` beside them, along rows and then along columns.
-fn smoothed(finer: &[[f32; 3]], step: usize) -> Vec<[f32; 3]> {
-    let along = |texels: &[[f32; 3]], place: &dyn Fn(usize, usize) -> usize| {
-        let mean = |i: usize| {
-            let [before, after] = [EDGE - step, step].map(|by| texels[place(i, by)]);
-            std::array::from_fn(|c| 0.25 * (before[c] + after[c]) + 0.5 * texels[i][c])
-        };
-        (0..texels.len()).map(mean).collect::<Vec<[f32; 3]>>()
-    };
-    let rows = along(finer, &|i, by| i / EDGE * EDGE + (i + by) % EDGE);
-    along(&rows, &|i, by| (i + by * EDGE) % (EDGE * EDGE))
 }
 
 /// Noise of a power law whose mean is about 0 and whose largest values are about 1.
@@ -147,7 +127,7 @@ mod tests {
                 green().map(|x| (x - mean).powi(2)).sum::<f64>() / count
             })
             .collect();
-        assert_eq!(spreads.len(), LAYERS);
+        assert_eq!(spreads.len(), smooth::LAYERS);
         assert!(spreads.windows(2).all(|pair| pair[1] < pair[0]), "{spreads:?}");
     }
 

@@ -17,6 +17,7 @@
 mod background;
 mod ground;
 mod land;
+mod smooth;
 mod tables;
 
 use glam::Vec3;

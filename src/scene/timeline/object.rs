@@ -96,7 +96,11 @@ impl Object {
         match self {
             Self::World(world) => {
                 let (clouds, timeline) = (std::mem::take(&mut scene.clouds), scene.timeline.take());
+                let old = std::mem::take(&mut scene.ground.kind);
                 *scene = Scene { clouds, timeline, ..*world };
+                if let (Some(new), Some(old)) = (scene.ground.kind.picture_mut(), old.picture()) {
+                    new.take_colors_of(old);
+                }
             }
             Self::Cloud(i, shell) => {
                 let old = &mut scene.clouds[i];
