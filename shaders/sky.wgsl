@@ -84,6 +84,7 @@ fn of_the_scene(ray: Ray, ndc: vec2f) -> vec3f {
     }
     if GROUND {
         var at = ground_point(a, transmittance, ground_table, linear_sampler, view, ray.direction, sky.to_sun, to_ground, lit);
+        at.seen = below;
         at.place = ground_place(ndc);
         at.right = ground_place(ndc + vec2f(2.0 / camera.size.x, 0.0)) - at.place;
         at.down = ground_place(ndc - vec2f(0.0, 2.0 / camera.size.y)) - at.place;

@@ -13,7 +13,8 @@ fn ground_more(a: Atmosphere, at: GroundPoint) -> vec3f {
     let view = pattern_view(at.right / ground.edge, at.down / ground.edge, size);
     let whole = vec2f(ground.edge, ground.height);
     var more = vec3f(0.0);
-    for (var tap = 0u; tap < PATTERN_TAPS; tap++) {
+    let taps = ground_samples(at, PATTERN_TAPS);
+    for (var tap = 0u; tap < taps; tap++) {
         let along = (f32(tap) + 0.5) / f32(PATTERN_TAPS) - 0.5;
         let uv = (place + along * ground.edge * view.along) / whole;
         let color = textureSampleLevel(colors, clamped, vec3f(uv, view.layer), 0.0).rgb;

@@ -23,7 +23,8 @@ fn mirrored_sky(a: Atmosphere, at: GroundPoint) -> vec3f {
     let size = vec2f(textureDimensions(low_sky));
     var light = vec3f(0.0);
     var seen = 0.0;
-    for (var i = 0u; i < FACETS; i++) {
+    let count = ground_samples(at, FACETS);
+    for (var i = 0u; i < count; i++) {
         let facet = water_facet(i, at.to_eye, ground.slope_variance);
         let origin = water_mirrored(facet.normal, at.to_eye);
         let uv = sky_view_uv(a, size, 0.0, origin.y, half_azimuth_sine(origin, at.to_sun), false);

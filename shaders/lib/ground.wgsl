@@ -16,6 +16,8 @@ struct Ground {
 }
 
 struct GroundPoint {
+    // Share of the pixel that it is: where that is 0, loops over samples may end at once.
+    seen: f32,
     // Place from the camera, east and south, m.
     place: vec2f,
     // How far from it the pixels to the right and below meet the ground, m.
@@ -52,6 +54,7 @@ fn ground_point(
     let all = ground_irradiance(ground_table, linear_sampler, foot.mu_sun);
     let level = max(foot.mu_sun, 0.0) * sun;
     return GroundPoint(
+        1.0,
         to_ground * direction.xz,
         vec2f(0.0),
         vec2f(0.0),
@@ -82,6 +85,11 @@ struct PatternView {
 
 // Taps along the longer way.
 const PATTERN_TAPS: u32 = 4u;
+
+// Of `count` samples those that a point needs.
+fn ground_samples(at: GroundPoint, count: u32) -> u32 {
+    return select(0u, count, at.seen > 0.0);
+}
 
 // The ways to the pixels to the right and below are in squares of the pattern.
 fn pattern_view(right: vec2f, down: vec2f, size: vec3f) -> PatternView {

@@ -76,6 +76,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
         "reads tables: tests/picture/ground.rs compares pictures of ground with the reference, as the next",
     ),
     ("ground_diffuse", "the same"),
+    ("ground_samples", "the same"),
     (
         "sun_map_in",
         "reads the map: tests/picture/shadows.rs compares it with pictures from the sun, as the next",
