@@ -83,11 +83,12 @@ fn of_the_scene(ray: Ray, ndc: vec2f) -> vec3f {
         more -= air + below * ground_shadow(a, transmittance, linear_sampler, view, to_ground, lit.x + lit.y);
     }
     if GROUND {
-        var at = ground_point(a, transmittance, ground_table, linear_sampler, view, ray.direction, sky.to_sun, to_ground, lit);
-        at.seen = below;
-        at.place = ground_place(ndc);
-        at.right = ground_place(ndc + vec2f(2.0 / camera.size.x, 0.0)) - at.place;
-        at.down = ground_place(ndc - vec2f(0.0, 2.0 / camera.size.y)) - at.place;
+        let step = 2.0 / camera.size;
+        let place = ground_place(ndc);
+        let right = ground_place(ndc + vec2f(step.x, 0.0)) - place;
+        let pixel = GroundPixel(below, place, right, ground_place(ndc - vec2f(0.0, step.y)) - place);
+        let at = ground_point(a, transmittance, ground_table, linear_sampler, pixel, view, ray.direction, sky.to_sun,
+            to_ground, lit);
         more += below * ground_more(a, at);
     }
     return more;

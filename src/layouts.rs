@@ -6,7 +6,7 @@ use wgpu::naga::{Expression, Literal, Module, TypeInner, proc::Layouter};
 
 use crate::{
     frame::{
-        CameraUniform, GroundShader, GroundUniform, MEDIA, MIXED,
+        CameraUniform, GroundShader, GroundUniform, LARGER, MEDIA, MIXED, PATTERN_SCALE,
         medium::{
             BodyUniform, BrickUniform, CELLS, DepthVolumeUniform, EllipsoidUniform, FINE, LAYER,
             LayerUniform, MIXED_ROW, MOST_LAYERS, MOST_MESHES, MOST_VOLUMES, MixedUniform, NoiseFrame, PEAKS,
@@ -248,6 +248,13 @@ fn a_mixture_has_the_room_that_the_shader_takes() {
     }
     assert_eq!(MOST_GRIDS, 1 + MOST_LAYERS);
     assert!(text.contains(&format!("const MOST_GRIDS: u32 = {MOST_GRIDS}u;")));
+}
+
+#[test]
+fn the_pattern_of_land_is_as_the_shader_takes_it() {
+    let (_, text) = GroundShader::Land.role();
+    assert!(text.contains(&format!("const LARGER: f32 = {LARGER}.0;")));
+    assert!(text.contains(&format!("const PATTERN_SCALE: f32 = {PATTERN_SCALE:.1};")));
 }
 
 #[test]

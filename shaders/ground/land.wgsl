@@ -14,10 +14,10 @@ const PATTERN_SCALE: f32 = 4.0;
 
 // Radiance beyond that of even ground.
 fn ground_more(a: Atmosphere, at: GroundPoint) -> vec3f {
-    let place = ground.offset + at.place;
+    let place = ground.offset + at.pixel.place;
     let taps = ground_samples(at, PATTERN_TAPS);
-    let fine = pattern_mean(place, at.right, at.down, ground.edge, taps);
-    let coarse = pattern_mean(place.yx, at.right.yx, at.down.yx, LARGER * ground.edge, taps);
+    let fine = pattern_mean(place, at.pixel.right, at.pixel.down, ground.edge, taps);
+    let coarse = pattern_mean(place.yx, at.pixel.right.yx, at.pixel.down.yx, LARGER * ground.edge, taps);
     // Half of it: woods 60 km wide are rare.
     let more = ground.variation * (fine * mix(vec3f(1.0), coarse, 0.5) - 1.0);
     return ground_diffuse(more * a.ground_albedo, at) * at.transmittance;

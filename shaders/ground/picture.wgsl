@@ -8,9 +8,9 @@
 
 // Radiance beyond that of even ground.
 fn ground_more(a: Atmosphere, at: GroundPoint) -> vec3f {
-    let place = ground.offset + at.place;
+    let place = ground.offset + at.pixel.place;
     let size = vec3f(textureDimensions(colors));
-    let view = pattern_view(at.right / ground.edge, at.down / ground.edge, size);
+    let view = pattern_view(at.pixel.right / ground.edge, at.pixel.down / ground.edge, size);
     let whole = vec2f(ground.edge, ground.height);
     var more = vec3f(0.0);
     let taps = ground_samples(at, PATTERN_TAPS);

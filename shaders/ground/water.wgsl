@@ -7,7 +7,7 @@
 @group(1) @binding(1) var low_sky: texture_2d<f32>;
 @group(1) @binding(2) var clamped: sampler;
 
-// Share of daylight that a sea mirrors: 0.066 of an even sky's and 0.02 to 0.06 of a sun's 30 degrees high and more
+// Share of daylight that a sea mirrors: 0.068 of an even sky's and 0.02 to 0.06 of a sun's 30 degrees high and more
 // (Fresnel). The rest of the albedo is light from below.
 const SURFACE_ALBEDO: f32 = 0.05;
 

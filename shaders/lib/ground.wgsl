@@ -1,4 +1,4 @@
-// A point of the ground that a ray meets, and the light there.
+// A point of the ground that a ray meets, what a pixel sees around it, and the light there.
 // @use atmosphere
 
 // What a kind of ground is like.
@@ -15,7 +15,8 @@ struct Ground {
     height: f32,
 }
 
-struct GroundPoint {
+// What a pixel sees of the ground.
+struct GroundPixel {
     // Share of the pixel that it is: where that is 0, loops over samples may end at once.
     seen: f32,
     // Place from the camera, east and south, m.
@@ -23,6 +24,10 @@ struct GroundPoint {
     // How far from it the pixels to the right and below meet the ground, m.
     right: vec2f,
     down: vec2f,
+}
+
+struct GroundPoint {
+    pixel: GroundPixel,
     // To the eye and to the sun, y up there.
     to_eye: vec3f,
     to_sun: vec3f,
@@ -47,17 +52,14 @@ fn with_cosine(d: vec3f, mu: f32) -> vec3f {
 // clouds let through to it, its own and scattered, and that of the sky that they do not hide.
 fn ground_point(
     a: Atmosphere, transmittance: texture_2d<f32>, ground_table: texture_2d<f32>, linear_sampler: sampler,
-    ray: AirRay, direction: vec3f, to_sun: vec3f, to_ground: f32, lit: vec3f,
+    pixel: GroundPixel, ray: AirRay, direction: vec3f, to_sun: vec3f, to_ground: f32, lit: vec3f,
 ) -> GroundPoint {
     let foot = air_ray_at(a, ray, to_ground);
     let sun = sun_irradiance_at(a, transmittance, linear_sampler, 0.0, foot.mu_sun);
     let all = ground_irradiance(ground_table, linear_sampler, foot.mu_sun);
     let level = max(foot.mu_sun, 0.0) * sun;
     return GroundPoint(
-        1.0,
-        to_ground * direction.xz,
-        vec2f(0.0),
-        vec2f(0.0),
+        pixel,
         with_cosine(-direction, -foot.mu),
         with_cosine(to_sun, foot.mu_sun),
         lit.x * sun,
@@ -88,7 +90,7 @@ const PATTERN_TAPS: u32 = 4u;
 
 // Of `count` samples those that a point needs.
 fn ground_samples(at: GroundPoint, count: u32) -> u32 {
-    return select(0u, count, at.seen > 0.0);
+    return select(0u, count, at.pixel.seen > 0.0);
 }
 
 // The ways to the pixels to the right and below are in squares of the pattern.

@@ -9,10 +9,12 @@ use crate::{
     scene::{GroundColors, GroundKind},
 };
 
-/// Widths of a field along an edge of the pattern of land.
-const FIELDS: f64 = 32.0;
+/// Fields along an edge of the pattern of land.
+pub(crate) const FIELDS: usize = 32;
 /// Squares of the pattern along what repeats itself: it is used so many times as large, too.
-const LARGER: f64 = 8.0;
+pub(crate) const LARGER: u32 = 8;
+/// What 1 in the pattern's texture stands for, over the mean.
+pub(crate) const PATTERN_SCALE: f32 = 4.0;
 
 /// `Ground` of `shaders/lib/ground.wgsl`, which has the units.
 #[repr(C)]
@@ -86,8 +88,8 @@ impl GroundSettings {
             GroundKind::Even => {}
             GroundKind::Land(land) if land.variation == 0.0 => {}
             GroundKind::Land(land) => {
-                let edge = FIELDS * land.field_width;
-                let place = |x: f64| x.rem_euclid(LARGER * edge) as f32;
+                let edge = FIELDS as f64 * land.field_width;
+                let place = |x: f64| x.rem_euclid(f64::from(LARGER) * edge) as f32;
                 settings.shader = GroundShader::Land;
                 uniform.offset = Vec2::new(place(camera.x), place(camera.z));
                 (uniform.edge, uniform.variation) = (edge as f32, land.variation as f32);

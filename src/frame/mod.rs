@@ -16,6 +16,9 @@ pub(crate) use air::AERIAL_REACH;
 pub use air::{AtmosphereUniform, SkySettings, SkyUniform};
 pub use camera::CameraUniform;
 pub(crate) use camera::Rays;
+#[cfg(test)]
+pub(crate) use ground::LARGER;
+pub(crate) use ground::{FIELDS, PATTERN_SCALE};
 pub use ground::{GroundSettings, GroundShader, GroundUniform};
 pub(crate) use light::{FrameLight, LitBy};
 pub use medium::{MEDIA, MIXED, NOISE_SIZE, bake_noise};

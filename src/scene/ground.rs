@@ -50,10 +50,10 @@ pub enum GroundKind {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Land {
-    /// How much they differ, 0 to 1: 0 is even ground, 1 has woods of a third of the mean beside stubble of twice that.
+    /// How much they differ, 0 to 1: 0 is even ground, 1 has woods of half the mean beside stubble of twice the mean.
     #[schemars(range(min = VARIATION.min, max = VARIATION.max))]
     pub variation: f64,
-    /// Width of a field, metres, 10 to 100000; woods are some ten times as wide.
+    /// Width of a field, metres, 10 to 100000; woods are some six times as wide.
     #[schemars(range(min = FIELDS.min, max = FIELDS.max), extend("unit" = FIELDS.unit))]
     pub field_width: f64,
 }

@@ -9,7 +9,7 @@ use super::{
     tables::{Fill, SKY_VIEW, Tables, fill_sky_view, table},
 };
 use crate::{
-    frame::{AtmosphereUniform, CameraUniform, GroundSettings, GroundShader, SkySettings},
+    frame::{AtmosphereUniform, CameraUniform, GroundSettings, GroundShader, PATTERN_SCALE, SkySettings},
     gpu::{self, Made, TextureDesc, Timing, view},
     scene::{Camera, GroundColors},
     srgb,
@@ -144,9 +144,9 @@ impl LowSky {
     }
 }
 
-/// The pattern of land: a quarter of what it reflects over its mean.
+/// The pattern of land.
 fn pattern(device: &wgpu::Device, queue: &wgpu::Queue) -> Sampled {
-    let byte = |x: f32| (255.0 * (0.25 * x).clamp(0.0, 1.0)).round() as u8;
+    let byte = |x: f32| (255.0 * (x / PATTERN_SCALE).clamp(0.0, 1.0)).round() as u8;
     let sampler = gpu::linear_repeat_layers(device);
     let size = [land::EDGE, land::EDGE];
     Sampled { texture: layered(device, queue, size, FORMAT, &land::TEXELS, byte), sampler }

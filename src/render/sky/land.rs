@@ -4,12 +4,10 @@
 use std::sync::LazyLock;
 
 use super::smooth;
-use crate::scene::Dice;
+use crate::{frame::FIELDS, scene::Dice};
 
 /// Texels along an edge.
 pub(super) const EDGE: usize = 512;
-/// Fields along an edge.
-const FIELDS: usize = 32;
 /// Octaves of what decides where woods are, and cells of the coarsest along an edge.
 const OCTAVES: u32 = 6;
 const COARSEST: usize = 5;
